@@ -1,0 +1,153 @@
+"""The command `fikm-drake`."""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+
+from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.resources import model_names, models_dir
+from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.simulate import SimulationStopped, simulate
+from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.tracking_scenario import load_scenario
+
+OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+EXIT_CODES = """exit codes:
+  0    done
+  1    the run failed, or a file could not be written
+  2    bad arguments, or a model or scenario that is missing or not valid
+  130  interrupted; the log so far is written where one was asked for"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command with `arguments`, by default those of the process; returns the exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        return options.run(options)
+    except (ValueError, FileNotFoundError) as error:
+        print(f"fikm-drake: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:
+        print(f"fikm-drake: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fikm-drake",
+        description="Fuzzy inverse kinematics on Drake.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    run = commands.add_parser("run", help="run a scenario and print its errors")
+    run.add_argument("scenario", help="name (see `fikm-drake models`) or path of a .yaml file")
+    run.add_argument("--log", metavar="RUN.npz", help="write the log")
+    run.add_argument("--csv", metavar="RUN.csv", help="write the log as a table")
+    run.add_argument("--plot", metavar="RUN.png", help="write a picture")
+    run.add_argument("--html", metavar="RUN.html", help="write a page that plays the run")
+    run.set_defaults(run=_run)
+
+    urdf = commands.add_parser("urdf", help="print an arm's URDF")
+    urdf.add_argument("arm", help="name (see `fikm-drake models`) or path of a .yaml file")
+    urdf.set_defaults(run=_urdf)
+
+    models = commands.add_parser("models", help="list the arms and the scenarios")
+    models.set_defaults(run=_models)
+
+    benchmark = commands.add_parser("benchmark", help="measure costs")
+    what = benchmark.add_subparsers(required=True, metavar="WHAT")
+    step = what.add_parser("step", help="CPU time of a control step beside Drake's")
+    step.add_argument("--rounds", type=int, default=20, help="times to follow the path (20)")
+    step.set_defaults(run=_benchmark_step)
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    scenario = load_scenario(options.scenario)
+    code = OK
+    try:
+        log = simulate(scenario, progress=_progress())
+    except SimulationStopped as stopped:
+        print(f"fikm-drake: {stopped}", file=sys.stderr)
+        log = stopped.log
+        code = INTERRUPTED if isinstance(stopped.__cause__, KeyboardInterrupt) else FAILED
+    _write(log, options)
+    last = ControllerStatus(int(log.status[-1])).name.lower().replace("_", " ")
+    print(f"{options.scenario}: {log.metrics()}, {last} at the end")
+    return code
+
+
+def _write(log: TrackingLog, options: argparse.Namespace) -> None:
+    """Write the files that were asked for, the log first: a picture that fails must not lose it."""
+
+    def write_page(path: str) -> None:
+        from fikm_drake.simulation.write_html import write_html  # Meshcat is slow to import
+
+        write_html(log, path)
+
+    writers: dict[str, Callable] = {
+        "log": log.save,
+        "csv": log.to_csv,
+        "plot": lambda path: plot_log(log, path),
+        "html": write_page,
+    }
+    for name, write in writers.items():
+        path = getattr(options, name)
+        if path is not None:
+            write(path)
+            print(f"wrote {path}", file=sys.stderr)
+
+
+def _urdf(options: argparse.Namespace) -> int:
+    print(load_arm(options.arm).to_urdf(), end="")
+    return OK
+
+
+def _models(options: argparse.Namespace) -> int:
+    print(f"in {models_dir()}\narms:")
+    for name in model_names():
+        arm = load_arm(name)
+        print(f"  {name:12s} {arm.num_joints} joints, {arm.table.convention} convention")
+    print("scenarios:")
+    for name in model_names("scenarios"):
+        scenario = load_scenario(name)
+        seconds = scenario.duration + scenario.hold
+        print(f"  {name:12s} {scenario.load_arm().name}, {seconds:g} s at {scenario.control_rate:g} Hz")
+    return OK
+
+
+def _benchmark_step(options: argparse.Namespace) -> int:
+    from fikm_drake.experiments.step_benchmark import step_benchmark
+
+    print("one control step of arm7 in a Simulator, CPU time:")
+    for cost in step_benchmark(rounds=options.rounds, progress=_progress()):
+        print(f"  {cost.name:46s} {cost.microseconds:7.1f} µs  {cost.ratio:5.2f} of Drake's")
+    return OK
+
+
+def _progress(patience: float = 2.0) -> Callable[[float], None]:
+    """A progress line on standard error, for a person who has waited for `patience` seconds."""
+    start = time.monotonic()
+    shown = False
+
+    def show(fraction: float) -> None:
+        nonlocal shown
+        if not sys.stderr.isatty():
+            return
+        if shown or time.monotonic() - start > patience:
+            shown = True
+            end = "\n" if fraction >= 1.0 else ""
+            print(f"\r{100 * fraction:3.0f} %", end=end, file=sys.stderr, flush=True)
+
+    return show
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,51 @@
+"""Factories of the fuzzy IK controller."""
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import DiagramBuilder
+
+from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
+from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
+from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+
+
+def MakeFuzzyIkController(
+    plant: MultibodyPlant, *, config: FuzzyIkConfig | None = None
+) -> FuzzyIkController | FusedFuzzyIk:
+    """A fuzzy IK controller for `plant`: a Diagram, or one LeafSystem if `config.fused`.
+
+    Args:
+        plant: a finalized plant with the arm; it is not copied and must live as long.
+        config: by default `FuzzyIkConfig()`.
+
+    Raises:
+        ValueError: naming the bad value and the valid ones.
+    """
+    config = config or FuzzyIkConfig()
+    config.validate()
+    law = _make_law(plant, config)
+    controller = FusedFuzzyIk if config.fused else FuzzyIkController
+    return controller(plant, law=_make_law(plant, config), config=config)
+
+
+def AddFuzzyIkController(
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    *,
+    config: FuzzyIkConfig | None = None,
+    name: str = "fuzzy_ik_controller",
+) -> FuzzyIkController | FusedFuzzyIk:
+    """Add a fuzzy IK controller for `plant` to `builder` and return it.
+
+    See `FuzzyIkController` for its ports and `MakeFuzzyIkController` for the arguments and errors.
+    """
+    return builder.AddNamedSystem(name, MakeFuzzyIkController(plant, config=config))
+
+
+def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
+    if config.method == "indirect":
+        return FuzzyMapping(zero_threshold=config.zero_threshold)
+    bound = plant_jacobian_range(plant, config.frame)[Task(config.task).rows]
+    return FuzzyMapping("direct", zero_threshold=config.zero_threshold, jacobian_range=bound)

@@ -1,0 +1,147 @@
+"""The fuzzy IK controller as a Diagram of blocks (Xu & Nechyba 1993, figure 1)."""
+
+from numpy.typing import ArrayLike
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+
+from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.systems.fuzzy_ik import FuzzyIk
+from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.systems.gain_supervisor import GainSupervisor
+from fikm_drake.systems.joint_integrator import JointIntegrator
+from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.status_monitor import StatusMonitor
+from fikm_drake.systems.task_error import TaskError
+from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.variable_gain import VariableGain
+
+
+class FuzzyIkController(Diagram):
+    """Moves a tool to a desired position by fuzzy inverse kinematics.
+
+    .. pydrake_system::
+
+        name: FuzzyIkController
+        input_ports:
+        - desired_position
+        - estimated_position
+        output_ports:
+        - commanded_position
+        - commanded_velocity
+        - joint_step
+        - task_error
+        - gain
+        - oscillating
+        - status
+
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame.
+    - **estimated_position** (n) [rad or m]: the measured joints; the port exists with
+      `config.measured_position` only.
+    - **commanded_position** (n) [rad or m]: from the state; set its start by `SetPositions`.
+    - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
+    - **joint_step** (n) [rad or m]: dθ of this cycle, before the joint limits.
+    - **task_error** (m) [m]: desired minus actual, in the world frame.
+    - **gain** (1) [-]: K of Table I, before its filter.
+    - **oscillating** (1): 1 while a joint oscillates, else 0.
+    - **status** (1): a `ControllerStatus`.
+
+    While an input is not finite the status says so, the task error reads zero and the command
+    holds; the filters meanwhile decay to rest.
+
+    Args:
+        plant: a finalized plant; it is not copied.
+        law: the mapping (J, dr) to a joint step.
+        config: see `FuzzyIkConfig`.
+
+    Raises:
+        ValueError: naming the bad value and the valid ones.
+    """
+
+    def __init__(
+        self, plant: MultibodyPlant, *, law: FuzzyMapping, config: FuzzyIkConfig
+    ) -> None:
+        super().__init__()
+        config.validate()
+        kinematics = ToolKinematics(plant, config.frame, Task(config.task))
+        n, m = kinematics.num_joints, kinematics.task.size
+        period = config.period
+        limit = config.longest_error
+
+        builder = DiagramBuilder()
+        add = builder.AddNamedSystem
+        error = add("task_error", TaskError(plant, frame=config.frame, task=config.task))
+        supervisor = add(
+            "gain_supervisor",
+            GainSupervisor(m, n, period=period, config=config.supervisor, error_limit=limit),
+        )
+        gain_filter = add(
+            "gain_filter",
+            LowPassFilter(
+                1,
+                period=period,
+                smoothing=config.gain_smoothing,
+                initial_value=config.supervisor.initial_gain,
+            ),
+        )
+        gain = add("variable_gain", VariableGain(m, limit=limit))
+        error_filter = add(
+            "error_filter", LowPassFilter(m, period=period, smoothing=config.error_smoothing)
+        )
+        ik = add("fuzzy_ik", FuzzyIk(plant, law=law, frame=config.frame, task=config.task))
+        integrator = add(
+            "joint_integrator",
+            JointIntegrator(
+                kinematics.lower,
+                kinematics.upper,
+                period=period,
+                initial_position=kinematics.default_position,
+            ),
+        )
+        status = add("status_monitor", StatusMonitor(m, tolerance=config.tolerance))
+        self._integrator = integrator
+
+        def wire(source, output: str, target, port: str) -> None:
+            builder.Connect(source.GetOutputPort(output), target.GetInputPort(port))
+
+        wire(error, "task_error", supervisor, "task_error")
+        wire(error, "task_error", gain, "task_error")
+        wire(supervisor, "gain", gain_filter, "u0")
+        wire(gain_filter, "y0", gain, "gain")
+        wire(gain, "amplified_error", error_filter, "u0")
+        wire(error_filter, "y0", ik, "task_error")
+        wire(error, "valid", ik, "enabled")
+        wire(ik, "joint_step", supervisor, "joint_step")
+        wire(ik, "joint_step", integrator, "joint_step")
+        wire(error, "task_error", status, "task_error")
+        wire(error, "valid", status, "valid")
+        wire(integrator, "limited", status, "limited")
+        wire(supervisor, "oscillating", status, "oscillating")
+
+        builder.ExportInput(error.GetInputPort("desired_position"), "desired_position")
+        if config.measured_position:
+            builder.ExportInput(error.GetInputPort("position"), "estimated_position")
+            builder.ConnectInput("estimated_position", ik.GetInputPort("position"))
+        else:
+            wire(integrator, "position", error, "position")
+            wire(integrator, "position", ik, "position")
+        for block, port, name in (
+            (integrator, "position", "commanded_position"),
+            (integrator, "velocity", "commanded_velocity"),
+            (ik, "joint_step", "joint_step"),
+            (error, "task_error", "task_error"),
+            (supervisor, "gain", "gain"),
+            (supervisor, "oscillating", "oscillating"),
+            (status, "status", "status"),
+        ):
+            builder.ExportOutput(block.GetOutputPort(port), name)
+        builder.BuildInto(self)
+
+    def SetPositions(self, context: Context, position: ArrayLike) -> None:
+        """Set the commanded joint position (n,) [rad or m] in this controller's context, at rest.
+
+        Raises:
+            ValueError: naming the bad value.
+        """
+        own = self.GetMutableSubsystemContext(self._integrator, context)
+        self._integrator.SetPositions(own, position)

@@ -1,0 +1,1 @@
+"""What the commands `fikm-drake benchmark` and `fikm-drake reproduce` run: papers' results and costs."""

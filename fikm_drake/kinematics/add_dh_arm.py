@@ -1,0 +1,27 @@
+"""A Denavit-Hartenberg arm in a MultibodyPlant."""
+
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from fikm_drake.kinematics.dh_arm import DhArm
+
+
+def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
+    """Add `arm` to `plant` with its base welded to the world; returns its model instance.
+
+    Bodies `base`, `link1` … and `tool`, joints and actuators `joint1` … and `joint1_motor` …, the
+    tool's frame `tool`. Its default position is the nearest to zero inside the limits. The visual shapes are registered if the plant has a SceneGraph.
+
+    Raises:
+        ValueError: the plant is finalized already.
+    """
+    if plant.is_finalized():
+        raise ValueError(f"AddDhArm({arm.name!r}): the plant is finalized already")
+    parser = Parser(plant)
+    parser.SetAutoRenaming(True)  # two arms of a kind in one plant: panda, panda_1
+    (instance,) = parser.AddModelsFromString(arm.to_urdf(), "urdf")
+    plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base", instance))
+    for i, default in enumerate(arm.default_position, start=1):
+        plant.GetJointByName(f"joint{i}", instance).set_default_positions([default])
+    return instance

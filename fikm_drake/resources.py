@@ -1,0 +1,70 @@
+"""The folder `models/`: found from a checkout, an editable install and an installed wheel alike."""
+
+from pathlib import Path
+
+from pydrake.common.yaml import yaml_load_typed
+from pydrake.multibody.parsing import Parser
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+def models_dir() -> Path:
+    """The folder of arms, URDFs and scenarios.
+
+    Raises:
+        FileNotFoundError: the installation is damaged.
+    """
+    for folder in (_PACKAGE / "models", _PACKAGE.parent / "models"):  # a wheel; a checkout
+        if (folder / "package.xml").is_file():
+            return folder
+    raise FileNotFoundError(f"no models folder beside or in {_PACKAGE}: reinstall fikm_drake")
+
+
+def model_names(folder: str = "") -> list[str]:
+    """Names of the YAML files in `models/` or in a folder of it, sorted."""
+    return sorted(path.stem for path in (models_dir() / folder).glob("*.yaml"))
+
+
+def find_model(name_or_path: str | Path, *, folder: str = "", kind: str = "arm") -> Path:
+    """Path of a YAML file: of one of our models by its name, or of the user's own by its path.
+
+    Args:
+        name_or_path: a name such as `arm7`, or a path that ends in .yaml or .yml.
+        folder: where in `models/` to look for the name.
+        kind: what the error calls it.
+
+    Raises:
+        FileNotFoundError: there is none; the message lists the names there are.
+    """
+    path = Path(name_or_path)
+    if path.suffix in (".yaml", ".yml"):
+        if path.is_file():
+            return path
+        raise FileNotFoundError(f"no {kind} file {path}")
+    if path.name == str(name_or_path):
+        ours = models_dir() / folder / f"{path.name}.yaml"
+        if ours.is_file():
+            return ours
+    names = ", ".join(model_names(folder))
+    raise FileNotFoundError(
+        f"no {kind} {str(name_or_path)!r}; give the path of a .yaml file or one of: {names}"
+    )
+
+
+def load_yaml(schema: type, path: Path, *, kind: str):
+    """Read a YAML file into a dataclass by Drake's typed YAML.
+
+    Raises:
+        ValueError: the file is not YAML or does not fit the dataclass; the message names the file.
+    """
+    try:
+        return yaml_load_typed(schema=schema, filename=str(path), retain_map_defaults=True)
+    except OSError:
+        raise
+    except Exception as error:  # Drake and PyYAML raise many kinds
+        raise ValueError(f"{path} is not a valid {kind} file: {error}") from error
+
+
+def ConfigureParser(parser: Parser) -> None:
+    """Let `parser` resolve `package://fikm_drake/…`, as Drake's manipulation.ConfigureParser does."""
+    parser.package_map().AddPackageXml(str(models_dir() / "package.xml"))

@@ -1,0 +1,112 @@
+"""Runs a scenario in Drake's Simulator."""
+
+from collections.abc import Callable
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
+
+from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
+from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.tracking_scenario import TrackingScenario
+
+LOGGED = ("commanded_position", "joint_step", "gain", "oscillating", "status")
+
+
+class SimulationStopped(RuntimeError):
+    """A run ended early; `log` holds the cycles that were done."""
+
+    def __init__(self, log: TrackingLog, reason: BaseException) -> None:
+        cycles = f"{len(log.time)} of {log.scenario.num_cycles} cycles"
+        super().__init__(f"the run stopped after {cycles}: {reason or type(reason).__name__}")
+        self.log = log
+
+
+def simulate(
+    scenario: TrackingScenario, *, progress: Callable[[float], None] | None = None
+) -> TrackingLog:
+    """Build the Diagram of a scenario, run it in Drake's Simulator and return the log.
+
+    Args:
+        scenario: what to run.
+        progress: called now and then with the fraction of the run that is done.
+
+    Raises:
+        ValueError: the scenario is not valid.
+        SimulationStopped: the run was interrupted or failed; the error carries the log so far.
+    """
+    scenario.validate()
+    arm = scenario.load_arm()
+    plant = MultibodyPlant(time_step=0.0)
+    AddDhArm(plant, arm)
+    plant.Finalize()
+
+    builder = DiagramBuilder()
+    desired = builder.AddNamedSystem("desired", TrajectorySource(scenario.trajectory()))
+    controller = AddFuzzyIkController(builder, plant, config=scenario.controller_config())
+    builder.Connect(desired.get_output_port(), controller.GetInputPort("desired_position"))
+    period = 1.0 / scenario.control_rate
+    sinks = {"desired": LogVectorOutput(desired.get_output_port(), builder, period)}
+    for name in LOGGED:
+        sinks[name] = LogVectorOutput(controller.GetOutputPort(name), builder, period)
+    diagram = builder.Build()
+    diagram.set_name(f"{arm.name} tracking")
+
+    simulator = Simulator(diagram)
+    root = simulator.get_mutable_context()
+    controller.SetPositions(controller.GetMyMutableContextFromRoot(root), scenario.start())
+
+    def log() -> TrackingLog:
+        last = controller.GetOutputPort("commanded_position").Eval(
+            controller.GetMyContextFromRoot(root)
+        )
+        return _collect(scenario, {name: _data(sink, root) for name, sink in sinks.items()}, last)
+
+    try:
+        for cycles in _chunks(scenario.num_cycles):
+            # Half a cycle past the last wanted update, so that rounding cannot lose or add one.
+            simulator.AdvanceTo((cycles - 0.5) * period)
+            if progress:
+                progress(cycles / scenario.num_cycles)
+    except (Exception, KeyboardInterrupt) as reason:
+        if not sinks["desired"].FindLog(root).num_samples():
+            raise
+        raise SimulationStopped(log(), reason) from reason
+    return log()
+
+
+def _chunks(cycles: int) -> list[int]:
+    """Cycles done at the end of each of at most 100 parts of a run."""
+    return sorted({-(-cycles * part // 100) for part in range(1, 101)})
+
+
+def _data(sink: VectorLogSink, root) -> np.ndarray:
+    """Samples (N, size), copied: Drake's are views."""
+    return sink.FindLog(root).data().T.copy()
+
+
+def _collect(
+    scenario: TrackingScenario, data: dict[str, np.ndarray], last: np.ndarray
+) -> TrackingLog:
+    """The log of the cycles done: Drake publishes each sample before the cycle's update."""
+    N = min(len(series) for series in data.values())
+    data = {name: series[:N] for name, series in data.items()}
+    q = np.concatenate([data["commanded_position"][1:], [last]])
+    coordinates = Task(scenario.controller_config().task).coordinates
+    actual = scenario.load_arm().forward_kinematics(q)[:, coordinates, 3]
+    return TrackingLog(
+        scenario=scenario,
+        time=np.arange(N) / scenario.control_rate,
+        desired=data["desired"],
+        actual=actual,
+        q=q,
+        joint_step=data["joint_step"],
+        error=data["desired"] - actual,
+        gain=data["gain"][:, 0],
+        oscillating=data["oscillating"][:, 0] > 0.5,
+        status=data["status"][:, 0].astype(np.int64),
+    )

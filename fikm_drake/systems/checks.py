@@ -1,0 +1,31 @@
+"""Checks that the constructors of the blocks share."""
+
+from math import isfinite
+
+
+def check_sizes(**sizes: int) -> None:
+    """Raise ValueError, naming the size, unless all are positive integers."""
+    for name, size in sizes.items():
+        if not isinstance(size, int) or size < 1:
+            raise ValueError(f"{name} must be a positive integer, got {size!r}")
+
+
+def check_period(period: float) -> float:
+    """The period [s]; ValueError unless it is positive and finite (Drake lets a negative one pass)."""
+    if not (isfinite(period) and period > 0.0):
+        raise ValueError(f"period must be positive and finite [s], got {period!r}")
+    return float(period)
+
+
+def check_positive(name: str, value: float) -> float:
+    """The value, which may be infinite; ValueError unless it is positive."""
+    if not value > 0.0:
+        raise ValueError(f"{name} must be positive, got {value!r}")
+    return float(value)
+
+
+def check_smoothing(smoothing: float) -> float:
+    """The smoothing [-]; ValueError unless 0 ≤ smoothing < 1."""
+    if not 0.0 <= smoothing < 1.0:
+        raise ValueError(f"smoothing must be in [0, 1), 0 filters nothing, got {smoothing!r}")
+    return float(smoothing)

@@ -1,0 +1,93 @@
+"""The block that chooses the gain and sees oscillation."""
+
+from math import hypot, inf
+
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+
+from fikm_drake.laws.gain_supervision import MAX_JOINTS, GainSupervision, GainSupervisorConfig
+from fikm_drake.systems.checks import check_period, check_sizes
+from fikm_drake.systems.valid_port import declare_valid_port
+
+
+class GainSupervisor(LeafSystem):
+    """Fuzzy gain and detection of oscillation (Xu & Nechyba 1993, section 2.7, Table I).
+
+    .. pydrake_system::
+
+        name: GainSupervisor
+        input_ports:
+        - task_error
+        - joint_step
+        output_ports:
+        - gain
+        - oscillating
+        - valid
+
+    - **task_error** (m) [m]: the error of this cycle; only its length counts.
+    - **joint_step** (n) [rad or m]: the joint step of this cycle; it enters the state at the cycle's
+      end, so `gain` does not feed through from it.
+    - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the
+      sign changes of the last joint steps; the last gain while `task_error` is not finite.
+    - **oscillating** (1): 1 while the steps of a joint change sign too often, else 0.
+    - **valid** (1): 1 while every input is finite, else 0. What is not finite is not remembered.
+
+    Args:
+        num_rows: m.
+        num_joints: n.
+        period: of the control cycle [s].
+        config: the constants of section 2.7.
+        error_limit: a longer error counts as this long [m].
+
+    Raises:
+        ValueError: naming the bad value and the valid ones.
+    """
+
+    def __init__(
+        self,
+        num_rows: int,
+        num_joints: int,
+        *,
+        period: float,
+        config: GainSupervisorConfig | None = None,
+        error_limit: float = inf,
+    ) -> None:
+        super().__init__()
+        check_sizes(num_rows=num_rows, num_joints=num_joints)
+        if num_joints > MAX_JOINTS:
+            raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
+        self._supervision = GainSupervision(config)
+        self._error_limit = error_limit
+        self._error = self.DeclareVectorInputPort("task_error", num_rows)
+        self._step = self.DeclareVectorInputPort("joint_step", num_joints)
+        self.DeclareDiscreteState(self._supervision.initial_state())
+        self._gain = self.DeclareVectorOutputPort(
+            "gain",
+            1,
+            self._calc_gain,
+            prerequisites_of_calc={self._error.ticket(), self.xd_ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
+        )
+        declare_valid_port(self)
+        self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
+
+    def _state(self, context: Context) -> list[float]:
+        return context.get_discrete_state_vector().value().tolist()
+
+    def _length(self, context: Context) -> float:
+        return min(hypot(*self._error.Eval(context).tolist()), self._error_limit)
+
+    def _calc_gain(self, context: Context, output: BasicVector) -> None:
+        output[0] = self._supervision.gain(self._state(context), self._length(context))
+
+    def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
+        output[0] = float(self._supervision.oscillating(self._state(context)))
+
+    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
+        gain = float(self._gain.Eval(context)[0])
+        step = self._step.Eval(context).tolist()
+        state = self._supervision.advance(
+            self._state(context), self._length(context), gain, step
+        )
+        discrete_state.get_mutable_value()[:] = state

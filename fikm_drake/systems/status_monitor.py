@@ -1,0 +1,60 @@
+"""The block that says in one number how the controller does."""
+
+from math import hypot
+
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from fikm_drake.laws.controller_status import controller_status
+from fikm_drake.systems.checks import check_positive, check_sizes
+
+
+class StatusMonitor(LeafSystem):
+    """One number for how the controller does, see `ControllerStatus`.
+
+    .. pydrake_system::
+
+        name: StatusMonitor
+        input_ports:
+        - task_error
+        - valid
+        - limited
+        - oscillating
+        output_ports:
+        - status
+
+    - **task_error** (m) [m].
+    - **valid**, **limited**, **oscillating** (1 each): 0 or 1, from the blocks' ports of these names.
+    - **status** (1): a `ControllerStatus`; computed only when somebody asks.
+
+    Args:
+        size: m.
+        tolerance: an error of this length counts as converged [m].
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+
+    def __init__(self, size: int, *, tolerance: float = 1e-3) -> None:
+        super().__init__()
+        check_sizes(size=size)
+        self._tolerance = check_positive("tolerance", tolerance)
+        self._error = self.DeclareVectorInputPort("task_error", size)
+        self._flags = [
+            self.DeclareVectorInputPort(name, 1) for name in ("valid", "limited", "oscillating")
+        ]
+        self.DeclareVectorOutputPort(
+            "status",
+            1,
+            self._calc,
+            prerequisites_of_calc={port.ticket() for port in (self._error, *self._flags)},
+        )
+
+    def _calc(self, context: Context, output: BasicVector) -> None:
+        valid, limited, oscillating = (bool(port.Eval(context)[0]) for port in self._flags)
+        output[0] = controller_status(
+            valid=valid,
+            error=hypot(*self._error.Eval(context).tolist()),
+            tolerance=self._tolerance,
+            limited=limited,
+            oscillating=oscillating,
+        )

@@ -1,0 +1,62 @@
+"""The block that compares where the tool is with where it should be."""
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.steps import all_finite, difference
+from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.valid_port import declare_valid_port
+
+
+class TaskError(LeafSystem):
+    """Desired minus actual task coordinates of a tool.
+
+    .. pydrake_system::
+
+        name: TaskError
+        input_ports:
+        - desired_position
+        - position
+        output_ports:
+        - task_error
+        - valid
+
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame.
+    - **position** (n) [rad or m]: the joints.
+    - **task_error** (m) [m]: desired minus actual, in the world frame; zeros while an input is not
+      finite.
+    - **valid** (1): 1 while every input is finite, else 0.
+
+    Args:
+        plant: a finalized plant; it is not copied.
+        frame: name of the tool's frame.
+        task: the coordinates that count, see `Task`.
+
+    Raises:
+        ValueError: see `ToolKinematics` and `Task`.
+    """
+
+    def __init__(
+        self, plant: MultibodyPlant, *, frame: str = "tool", task: str = "position"
+    ) -> None:
+        super().__init__()
+        self._kinematics = ToolKinematics(plant, frame, Task(task))
+        m = self._kinematics.task.size
+        self._zeros = [0.0] * m
+        self._desired = self.DeclareVectorInputPort("desired_position", m)
+        self._position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
+        self._scratch = self._kinematics.declare_scratch(self)
+        self.DeclareVectorOutputPort(
+            "task_error",
+            m,
+            self._calc_error,
+            prerequisites_of_calc={self._desired.ticket(), self._position.ticket()},
+        )
+        declare_valid_port(self)
+
+    def _calc_error(self, context: Context, output: BasicVector) -> None:
+        q = self._position.Eval(context)
+        actual = self._kinematics.position(self._scratch.Eval(context), q)
+        error = difference(self._desired.Eval(context).tolist(), actual)
+        output.set_value(error if all_finite(error) else self._zeros)
