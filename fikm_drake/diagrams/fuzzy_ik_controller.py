@@ -110,7 +110,6 @@ class FuzzyIkController(Diagram):
         wire(gain_filter, "y0", gain, "gain")
         wire(gain, "amplified_error", error_filter, "u0")
         wire(error_filter, "y0", ik, "task_error")
-        wire(error, "valid", ik, "enabled")
         wire(ik, "joint_step", supervisor, "joint_step")
         wire(ik, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
@@ -119,6 +118,7 @@ class FuzzyIkController(Diagram):
         wire(supervisor, "oscillating", status, "oscillating")
 
         builder.ExportInput(error.GetInputPort("desired_position"), "desired_position")
+        builder.ConnectInput("desired_position", ik.GetInputPort("guard"))
         if config.measured_position:
             builder.ExportInput(error.GetInputPort("position"), "estimated_position")
             builder.ConnectInput("estimated_position", ik.GetInputPort("position"))

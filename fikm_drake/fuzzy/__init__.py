@@ -1,11 +1,11 @@
 """The fuzzy engine: memberships, Sugeno inference and the generation of rules. It knows no robot.
 
-An input x is described by triangular memberships A_1 ... A_n with peaks at the knots x_1 < ... < x_n
+An input x is described by triangular memberships A_1 ... A_n, peaks at the knots x_1 < ... < x_n
 (`TriangularPartition`). Between two knots only their memberships are not zero,
 
     A_i(x) = 1 - f,   A_{i+1}(x) = f,   f = (x - x_i) / (x_{i+1} - x_i),
 
-and the grades always sum to one. A `RuleBase` has one rule "IF x is A_i AND y is B_j THEN z is w_ij"
+and the grades always sum to one. A `RuleBase` has a rule "IF x is A_i AND y is B_j THEN z is w_ij"
 for every pair. With the product as AND its output, equations 16-19 of Xu and Nechyba (1993),
 
     z(x, y) = sum_ij A_i(x) B_j(y) w_ij,
@@ -13,7 +13,7 @@ for every pair. With the product as AND its output, equations 16-19 of Xu and Ne
 is the bilinear interpolation of w on the grid of knots, constant beyond the outermost ones.
 
 `generate_rule_base` finds knots and consequents for dθ ≈ dr / J, equation 4, from the table of
-equation 12, with dθ held to |dθ| <= dr_max / j_max: near J = 0 the rules stay bounded where the
+equation 12, whose vectors have |dθ| <= dr_max / j_max. Near J = 0 the rules stay bounded where the
 quotient does not. Since z is linear in dr at each J, and dθ is odd in dr and in J, all the work is
 in placing the knots of J. `generate_araki` is the paper's online method; `generate_least_squares`
 needs fewer rules for a smaller true error.

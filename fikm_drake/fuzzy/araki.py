@@ -12,7 +12,8 @@ The text leaves three things open. They are read so that Table II comes out:
   stored. New memberships come in mirrored pairs.
 - *The error* that is compared with e_max is the in-sweep error: each vector's, before its update.
 - *Which input to split.* Both are tried for one sweep, and the one that leaves the smaller error
-  over the table is kept. For the paper's range this never is dr, in which dθ is linear.
+  over the table is kept; if neither leaves a smaller one than a sweep without a split, the next
+  region has its turn. So dr, in which dθ is linear, keeps its three memberships.
 """
 
 from __future__ import annotations
@@ -58,13 +59,11 @@ class _Quarter(NamedTuple):
         """Adds a membership; its rules are the means of their neighbours (equations 23-26)."""
         n = region + 1
         if name == "J":
-            weights = [row[:n] + [0.5 * (row[n - 1] + row[n])] + row[n:] for row in self.weights]
-            return _Quarter(
-                self.dr_knots, self.j_knots[:n] + [knot] + self.j_knots[n:], weights
-            )
+            weights = [[*row[:n], 0.5 * (row[n - 1] + row[n]), *row[n:]] for row in self.weights]
+            return _Quarter(self.dr_knots, [*self.j_knots[:n], knot, *self.j_knots[n:]], weights)
         between = [0.5 * (a + b) for a, b in zip(self.weights[n - 1], self.weights[n])]
         weights = [row[:] for row in [*self.weights[:n], between, *self.weights[n:]]]
-        return _Quarter(self.dr_knots[:n] + [knot] + self.dr_knots[n:], self.j_knots, weights)
+        return _Quarter([*self.dr_knots[:n], knot, *self.dr_knots[n:]], self.j_knots, weights)
 
     def mirrored(self) -> RuleBase:
         """The rules of the whole plane."""
@@ -103,6 +102,14 @@ def _sweep(
     return sum(map(sum, region_errors)) / count, region_errors
 
 
+def _trial(quarter: _Quarter, table: NDArray[np.float64], rate: float) -> float:
+    """Error over the table that one sweep from these rules would leave; they stay as they are."""
+    copy = quarter._replace(weights=[row[:] for row in quarter.weights])
+    vectors = copy.vectors(table)
+    _sweep(vectors, copy, rate)
+    return _sweep(vectors, copy, 0.0)[0]
+
+
 def _cut(low: float, high: float, values: NDArray[np.float64]) -> float | None:
     """Halves [low, high], and then always the half with all the data, until both parts hold data.
 
@@ -129,25 +136,26 @@ def _grow(
     rate: float,
     limit: int,
 ) -> tuple[_Quarter, str, float] | None:
-    """Splits the worst region that can be split.
+    """Splits the worst region whose split is of use.
 
-    A region cannot be split along an input that has `limit` knots already or along which its data
-    cannot be separated: the vectors at J = 0, say, whose error no rule can remove.
+    A region cannot be split along an input that has `limit` knots already, nor along one in which
+    its data cannot be separated: the vectors at J = 0, say, whose error no rule can remove.
 
     Returns:
-        The new rules, the input that was split ("dr" or "J") and the new knot; None if no region
-        can be split.
+        The new rules, the input that was split ("dr" or "J") and the new knot; None if there is no
+        such region.
     """
     dr_knots, j_knots, _ = quarter
     i, _ = TriangularPartition(dr_knots).locate_array(table[:, 0])
     j, _ = TriangularPartition(j_knots).locate_array(table[:, 1])
     errors = np.array(region_errors)
+    unsplit_error = _trial(quarter, table, rate)
     for flat in np.argsort(-errors, axis=None, kind="stable"):
         p, q = (int(index) for index in np.unravel_index(flat, errors.shape))
         data = table[(i == p) & (j == q)]
         if not len(data):
             continue
-        best = None
+        best_error, best = unsplit_error, None
         for name, knots, region, values in (
             ("J", j_knots, q, data[:, 1]),
             ("dr", dr_knots, p, data[:, 0]),
@@ -155,15 +163,12 @@ def _grow(
             knot = _cut(knots[region], knots[region + 1], values) if len(knots) < limit else None
             if knot is None:
                 continue
-            trial = quarter.split(name, region, knot)
-            vectors = trial.vectors(table)
-            _sweep(vectors, trial, rate)
-            error = _sweep(vectors, trial, 0.0)[0]
-            if best is None or error < best[0]:
-                best = error, name, region, knot
+            candidate = quarter.split(name, region, knot)
+            error = _trial(candidate, table, rate)
+            if error < best_error:
+                best_error, best = error, (candidate, name, knot)
         if best is not None:
-            _, name, region, knot = best
-            return quarter.split(name, region, knot), name, knot
+            return best
     return None
 
 
@@ -180,10 +185,10 @@ def generate_araki(
     """Generates the rules of dθ(dr, J) as the paper does.
 
     max_error and min_change are absolute, and the paper found its numbers by trial at one range;
-    the output scales with dr_max / j_max. So at j_max well below 1 the default asks for far more
-    than at 1.5, and the bounds may end the method above max_error; `converged` of the result tells,
-    `error` is what was reached. Multiplying both thresholds by 1.5 / j_max gives, for every range,
-    the rules of j_max = 1.5 on another scale.
+    the output scales with dr_max / j_max. So at j_max of 1 or less the default asks for more than
+    the method reaches within its bounds; `converged` of the result tells, `error` is what was
+    reached. Multiplying both thresholds by 1.5 / j_max gives, for every range, the rules of
+    j_max = 1.5 on another scale.
 
     Args:
         j_max: half the range of J; finite, positive.

@@ -14,7 +14,7 @@ no membership at J = 0: an odd function passes through zero there without one.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -38,18 +38,42 @@ class _Design(NamedTuple):
     error: float
 
 
+def _solve_tridiagonal(
+    diagonal: NDArray[np.float64], beside: NDArray[np.float64], right: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Solves a symmetric positive definite tridiagonal system by elimination, shapes n, n-1, n."""
+    d, e, x = diagonal.tolist(), beside.tolist(), right.tolist()
+    for k in range(1, len(d)):
+        ratio = e[k - 1] / d[k - 1]
+        d[k] -= ratio * e[k - 1]
+        x[k] -= ratio * x[k - 1]
+    x[-1] /= d[-1]
+    for k in range(len(d) - 2, -1, -1):
+        x[k] = (x[k] - e[k] * x[k + 1]) / d[k]
+    return np.array(x)
+
+
 def _fit(knots: NDArray[np.float64]) -> _Design:
     """Fits the heights by least squares, reweighted a few times towards the mean absolute error."""
     s = np.arange(1, J_STEPS + 1) / J_STEPS
-    grades = TriangularPartition(np.concatenate([[0.0], knots])).grades(s)[:, 1:]
-    basis = s[:, None] * grades
+    i, f = TriangularPartition(np.concatenate([[0.0], knots])).locate_array(s)
+    low, high = s * (1.0 - f), s * f  # s G(s) = low G_i + high G_{i+1}, with G_0 = 0
+    size = len(knots) + 1
+
+    def total(index: NDArray[np.intp], values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.bincount(index, values, size).astype(float)
+
+    # Only neighbours share data, so the normal equations are tridiagonal.
     weights = np.ones_like(s)
     best = None
     for _ in range(_PASSES):
-        normal = basis.T @ (weights[:, None] * basis)
-        normal += 1e-12 * normal.max() * np.eye(len(knots))  # knots with no data between them
-        heights = np.linalg.solve(normal, basis.T @ weights)
-        residual = np.abs(basis @ heights - 1.0)
+        diagonal = total(i, weights * low**2) + total(i + 1, weights * high**2)
+        beside = total(i, weights * low * high)
+        right = total(i, weights * low) + total(i + 1, weights * high)
+        diagonal += 1e-12 * diagonal.max()  # knots with no data between them
+        heights = _solve_tridiagonal(diagonal[1:], beside[1:-1], right[1:])
+        padded = np.concatenate([[0.0], heights])
+        residual = np.abs(low * padded[i] + high * padded[i + 1] - 1.0)
         error = (1.0 + 2.0 * float(residual.sum())) * _FLOOR  # J = 0, and both halves
         if best is None or error < best.error:
             best = _Design(knots, heights, error)
@@ -58,7 +82,7 @@ def _fit(knots: NDArray[np.float64]) -> _Design:
     return best
 
 
-@lru_cache(maxsize=None)
+@cache
 def _design(pairs: int) -> _Design:
     """The best design with memberships of J at `pairs` knots and their mirror images."""
     if pairs == 1:
@@ -93,7 +117,7 @@ def _fewest(error: float) -> _Design:
         if high == _MAX_PAIRS:
             raise ValueError
         high = min(2 * high, _MAX_PAIRS)
-    low = high // 2  # the error falls with the number of knots, so bisect
+    low = high // 2  # the error falls with the number of knots (to 0.1 %), so bisect
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if _design(middle).error < error else (middle, high)

@@ -47,13 +47,13 @@ class RuleBase:
         for value in array[~np.isfinite(array)]:
             raise ValueError(f"consequents must be finite, got {value}")
         if len(names) != 3:
-            raise ValueError(f"names must be three (two inputs, one output), got {names!r}")
+            raise ValueError(f"names must be three (two inputs, one output), got {names}")
         array.flags.writeable = False
 
         self._first = first
         self._second = second
         self._consequents = array
-        self._names = tuple(names)
+        self._names = names
         self._rows: list[list[float]] = array.tolist()
 
     @property
@@ -72,7 +72,7 @@ class RuleBase:
         return self._consequents
 
     @property
-    def names(self) -> tuple[str, ...]:
+    def names(self) -> tuple[str, str, str]:
         """Names of the two inputs and of the output."""
         return self._names
 
@@ -138,9 +138,7 @@ class RuleBase:
         Raises:
             ValueError: a factor is not as described.
         """
-        return RuleBase(
-            *self._scaled_parts(first_factor, output_factor), names=self._names  # type: ignore[arg-type]
-        )
+        return RuleBase(*self._scaled_parts(first_factor, output_factor), names=self._names)
 
     def _scaled_parts(
         self, first_factor: float, output_factor: float

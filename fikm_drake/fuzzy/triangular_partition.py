@@ -27,7 +27,7 @@ class TriangularPartition:
     An instance never changes.
     """
 
-    __slots__ = ("_knots", "_labels", "_knot_list", "_last")
+    __slots__ = ("_knot_list", "_knots", "_labels", "_last")
 
     def __init__(self, knots: ArrayLike, labels: Sequence[str] | None = None) -> None:
         """Makes a partition.
@@ -129,7 +129,7 @@ class TriangularPartition:
         """
         index, fraction = self.locate_array(x)
         index, fraction = np.asarray(index)[..., None], np.asarray(fraction)[..., None]
-        grades = np.zeros(index.shape[:-1] + (len(self),))
+        grades = np.zeros((*index.shape[:-1], len(self)))
         np.put_along_axis(grades, index, 1.0 - fraction, axis=-1)
         np.put_along_axis(grades, index + 1, fraction, axis=-1)
         return np.where(np.isnan(fraction), np.nan, grades)

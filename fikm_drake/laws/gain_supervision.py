@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite
 
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
@@ -67,12 +67,13 @@ class GainSupervision:
     """Section 2.7 as a pure law: a gain from the error, its recent average and the joints' signs.
 
     What it remembers is a list of floats that the caller keeps, so that a block's Context can:
-    the last gain, how many errors are known, the joints whose last motion was positive, those
-    whose was negative (bit j: joint j), the last errors, and for each pair of successive cycles
-    the joints that changed sign (bits too), newest last.
+    the largest number of sign changes of a joint, how many errors are known, the joints whose last
+    motion was positive, those whose was negative (bit j: joint j), the last errors, and for each
+    pair of successive cycles the joints that changed sign (bits too); newest last.
 
     Until `window` errors are known there is no average to compare with and an error counts as
-    medium. An error of exactly zero tells nothing and is not remembered.
+    medium. An error of exactly zero tells nothing and is not remembered. One that is not finite
+    counts as big and is not remembered either.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -86,7 +87,6 @@ class GainSupervision:
         self._threshold = config.sign_changes
         self._medium = float(config.error_breakpoints[1])
         self._dead_band = config.dead_band
-        self._initial_gain = config.initial_gain
 
     @property
     def state_size(self) -> int:
@@ -95,33 +95,20 @@ class GainSupervision:
 
     def initial_state(self) -> list[float]:
         """The state before the first cycle."""
-        return [self._initial_gain] + [0.0] * (self.state_size - 1)
+        return [0.0] * self.state_size
 
     def gain(self, state: Sequence[float], error: float) -> float:
-        """The gain for an error of length `error` [m]; the last gain if that is not finite."""
-        if not isfinite(error):
-            return state[0]
-        return self.rules.evaluate(self._relative(state, error), self.sign_changes(state))
+        """The gain for an error of length `error` [m]."""
+        return self.rules.evaluate(self._relative(state, error), state[0])
 
     def oscillating(self, state: Sequence[float]) -> bool:
         """True while the steps of a joint change sign `sign_changes` times within the window."""
-        return self.sign_changes(state) >= self._threshold
-
-    def sign_changes(self, state: Sequence[float]) -> int:
-        """The largest number of sign changes of a joint within the window."""
-        flips = [int(f) for f in state[4 + self._window :] if f]
-        if not flips:  # the usual case
-            return 0
-        joints = max(flips).bit_length()
-        return max(sum(f >> j & 1 for f in flips) for j in range(joints))
+        return state[0] >= self._threshold
 
     def advance(
-        self, state: Sequence[float], error: float, gain: float, joint_step: Sequence[float]
+        self, state: Sequence[float], error: float, joint_step: Sequence[float]
     ) -> list[float]:
-        """The state after a cycle with an error of length `error`, its gain and its joint steps.
-
-        What is not finite is not remembered.
-        """
+        """The state after a cycle with an error of length `error` [m] and these joint steps."""
         window = self._window
         _, known, was_positive, was_negative = state[:4]
         errors, flips = state[4 : 4 + window], state[4 + window :]
@@ -140,13 +127,25 @@ class GainSupervision:
         changed = positive & before_negative | negative & before_positive
         now_positive = positive | before_positive & ~negative
         now_negative = negative | before_negative & ~positive
-        return [gain, known, now_positive, now_negative, *errors, *flips[1:], changed]
+        flips = [*flips[1:], changed]
+        return [_most_changes(flips), known, now_positive, now_negative, *errors, *flips]
 
     def _relative(self, state: Sequence[float], error: float) -> float:
         """The error over its average over the last `window` cycles, itself among them."""
         if error == 0.0:
             return 0.0
+        if not isfinite(error):
+            return inf
         window = self._window
         if state[1] + 1 < window:
             return self._medium
         return error * window / (sum(state[5 : 4 + window]) + error)
+
+
+def _most_changes(flips: Sequence[float]) -> int:
+    """The largest number of changes of one joint; bit j of each number is joint j's change."""
+    changed = [int(f) for f in flips if f]
+    if not changed:  # the usual case
+        return 0
+    joints = max(changed).bit_length()
+    return max(sum(f >> j & 1 for f in changed) for j in range(joints))

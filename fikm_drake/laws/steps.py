@@ -1,48 +1,57 @@
-"""The small steps of one control cycle, in plain floats: what the blocks and the fused block both call."""
+"""The small steps of a control cycle, in plain floats: the blocks and the fused block call the same."""
 
 from collections.abc import Sequence
 from math import hypot, isfinite
 
+Vector = Sequence[float]
 
-def difference(desired: Sequence[float], actual: Sequence[float]) -> list[float]:
-    """The task error: desired minus actual, m numbers."""
+
+def all_finite(vector: Vector) -> bool:
+    """True if no number is NaN or infinite."""
+    # A sum is cheap and is finite only if all are; it alone can overflow.
+    return isfinite(sum(vector)) or all(map(isfinite, vector))
+
+
+def difference(desired: Vector, actual: Vector) -> list[float]:
+    """The task error: desired minus actual."""
     return [d - a for d, a in zip(desired, actual)]
 
 
-def all_finite(*vectors: Sequence[float]) -> bool:
-    """True if no number of the vectors is NaN or infinite."""
-    # One sum is cheap and is never finite unless all are; it could only overflow by itself.
-    return all(isfinite(sum(v)) or all(map(isfinite, v)) for v in vectors)
-
-
-def amplify(gain: float, error: Sequence[float], limit: float) -> list[float]:
+def amplify(gain: float, error: Vector, limit: float) -> list[float]:
     """gain · error, the error first shortened to the length `limit`; zeros if it is not finite."""
     length = hypot(*error)
     if length > limit:
         gain *= limit / length
-    scaled = [gain * e for e in error]
-    return scaled if all_finite(scaled) else [0.0] * len(scaled)
+    amplified = [gain * e for e in error]
+    return amplified if all_finite(amplified) else [0.0] * len(amplified)
 
 
-def low_pass(value: Sequence[float], previous: Sequence[float], smoothing: float) -> list[float]:
+def low_pass(value: float, previous: float, smoothing: float) -> float:
     """(1 − smoothing) · value + smoothing · previous (equations 30 and 31 with 2/3)."""
-    new = 1.0 - smoothing
-    return [new * v + smoothing * p for v, p in zip(value, previous)]
+    return (1.0 - smoothing) * value + smoothing * previous
 
 
-def integrate(
-    position: Sequence[float],
-    joint_step: Sequence[float],
-    lower: Sequence[float],
-    upper: Sequence[float],
-) -> list[float]:
+def integrate(position: Vector, joint_step: Vector, lower: Vector, upper: Vector) -> list[float]:
     """position + joint_step held inside the limits; the position itself if a step is not finite.
 
     A position that is outside already, as at the start, is not pulled in, only not let further out.
     """
     if not all_finite(joint_step):
         return list(position)
+    moved = [q + s for q, s in zip(position, joint_step)]
+    if all(map(_inside, lower, moved, upper)):
+        return moved
     return [
-        q + s if low <= q + s <= high else min(max(q + s, min(low, q)), max(high, q))
-        for q, s, low, high in zip(position, joint_step, lower, upper)
+        min(max(x, min(low, q)), max(high, q))
+        for q, x, low, high in zip(position, moved, lower, upper)
     ]
+
+
+def is_limited(position: Vector, joint_step: Vector, lower: Vector, upper: Vector) -> bool:
+    """True if a joint limit takes away a part of a finite joint step."""
+    moved = [q + s for q, s in zip(position, joint_step)]
+    return all_finite(joint_step) and integrate(position, joint_step, lower, upper) != moved
+
+
+def _inside(low: float, x: float, high: float) -> bool:
+    return low <= x <= high

@@ -19,16 +19,17 @@ class FuzzyIk(LeafSystem):
         input_ports:
         - task_error
         - position
-        - enabled
+        - guard
         output_ports:
         - joint_step
         - valid
 
     - **task_error** (m) [m]: in the world frame, amplified and filtered as the user likes.
     - **position** (n) [rad or m]: the joints.
-    - **enabled** (1), optional: 0 holds the arm. The controller wires `TaskError`'s `valid` to it.
-    - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite or
-      `enabled` is 0.
+    - **guard** (any size `guard_size`), optional: a signal that must be finite too. The controller
+      wires the desired position to it, since the filters before `task_error` would let the arm
+      coast after it is lost.
+    - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
 
     Args:
@@ -36,6 +37,7 @@ class FuzzyIk(LeafSystem):
         law: the mapping (J, dr) to a joint step; by default the paper's.
         frame: name of the tool's frame.
         task: the coordinates that count, see `Task`.
+        guard_size: size of `guard`, m by default.
 
     Raises:
         ValueError: see `ToolKinematics` and `Task`.
@@ -48,16 +50,17 @@ class FuzzyIk(LeafSystem):
         law: FuzzyMapping | None = None,
         frame: str = "tool",
         task: str = "position",
+        guard_size: int | None = None,
     ) -> None:
         super().__init__()
         self._kinematics = ToolKinematics(plant, frame, Task(task))
         self._law = law or FuzzyMapping()
         n = self._kinematics.num_joints
         self._hold = [0.0] * n
-        self._error = self.DeclareVectorInputPort("task_error", self._kinematics.task.size)
+        m = self._kinematics.task.size
+        self._error = self.DeclareVectorInputPort("task_error", m)
         self._position = self.DeclareVectorInputPort("position", n)
-        declare_valid_port(self)
-        self._enabled = self.DeclareVectorInputPort("enabled", 1)
+        self._guard = self.DeclareVectorInputPort("guard", guard_size or m)
         self._scratch = self._kinematics.declare_scratch(self)
         self.DeclareVectorOutputPort(
             "joint_step",
@@ -66,15 +69,17 @@ class FuzzyIk(LeafSystem):
             prerequisites_of_calc={
                 self._error.ticket(),
                 self._position.ticket(),
-                self._enabled.ticket(),
+                self._guard.ticket(),
             },
         )
+        declare_valid_port(self)
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
-        output.set_value(self._step(context))
+        output.get_mutable_value()[:] = self._calc(context)
 
-    def _step(self, context: Context) -> list[float]:
-        if self._enabled.HasValue(context) and not self._enabled.Eval(context)[0]:
+    def _calc(self, context: Context) -> list[float]:
+        guard = self._guard
+        if guard.HasValue(context) and not all_finite(guard.Eval(context).tolist()):
             return self._hold
         error = self._error.Eval(context).tolist()
         q = self._position.Eval(context)

@@ -27,7 +27,7 @@ class GainSupervisor(LeafSystem):
     - **joint_step** (n) [rad or m]: the joint step of this cycle; it enters the state at the cycle's
       end, so `gain` does not feed through from it.
     - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the
-      sign changes of the last joint steps; the last gain while `task_error` is not finite.
+      sign changes of the last joint steps; that of a big error while `task_error` is not finite.
     - **oscillating** (1): 1 while the steps of a joint change sign too often, else 0.
     - **valid** (1): 1 while every input is finite, else 0. What is not finite is not remembered.
 
@@ -60,7 +60,7 @@ class GainSupervisor(LeafSystem):
         self._error = self.DeclareVectorInputPort("task_error", num_rows)
         self._step = self.DeclareVectorInputPort("joint_step", num_joints)
         self.DeclareDiscreteState(self._supervision.initial_state())
-        self._gain = self.DeclareVectorOutputPort(
+        self.DeclareVectorOutputPort(
             "gain",
             1,
             self._calc_gain,
@@ -85,9 +85,6 @@ class GainSupervisor(LeafSystem):
         output[0] = float(self._supervision.oscillating(self._state(context)))
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        gain = float(self._gain.Eval(context)[0])
+        state = discrete_state.get_mutable_value()  # holds the current state until we write it
         step = self._step.Eval(context).tolist()
-        state = self._supervision.advance(
-            self._state(context), self._length(context), gain, step
-        )
-        discrete_state.get_mutable_value()[:] = state
+        state[:] = self._supervision.advance(state.tolist(), self._length(context), step)

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.laws.steps import all_finite, integrate
+from fikm_drake.laws.steps import integrate, is_limited
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -75,20 +75,16 @@ class JointIntegrator(LeafSystem):
         context.SetDiscreteState(0, check_position(position, n))
         context.SetDiscreteState(1, np.zeros(n))
 
-    def _next(self, context: Context) -> tuple[list[float], list[float], list[float]]:
-        """The position, the joint step and the position after it."""
-        q = context.get_discrete_state(0).value().tolist()
-        step = self._step.Eval(context).tolist()
-        return q, step, integrate(q, step, self._lower, self._upper)
-
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        q, step, after = self._next(context)
-        output[0] = float(all_finite(step) and after != [a + b for a, b in zip(q, step)])
+        q = context.get_discrete_state(0).value().tolist()
+        output[0] = is_limited(q, self._step.Eval(context).tolist(), self._lower, self._upper)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        q, _, after = self._next(context)
+        position = discrete_state.get_mutable_value(0)  # holds q until we write it
+        q = position.tolist()
+        after = integrate(q, self._step.Eval(context).tolist(), self._lower, self._upper)
         rate = self._rate
-        discrete_state.get_mutable_value(0)[:] = after
+        position[:] = after
         discrete_state.get_mutable_value(1)[:] = [(b - a) * rate for a, b in zip(q, after)]
 
 

@@ -59,4 +59,4 @@ class TaskError(LeafSystem):
         q = self._position.Eval(context)
         actual = self._kinematics.position(self._scratch.Eval(context), q)
         error = difference(self._desired.Eval(context).tolist(), actual)
-        output.set_value(error if all_finite(error) else self._zeros)
+        output.get_mutable_value()[:] = error if all_finite(error) else self._zeros

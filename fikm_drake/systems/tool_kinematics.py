@@ -76,12 +76,23 @@ class ToolKinematics:
     def position(self, scratch: Context, q: Array) -> list[float]:
         """The task coordinates (m) [m] of E's origin at `q` (n,)."""
         self.plant.SetPositions(scratch, q)
-        pose = self._frame.CalcPoseInWorld(scratch)
-        return pose.translation()[self._coordinates].tolist()
+        return self._position(scratch)
 
     def jacobian(self, scratch: Context, q: Array) -> Array:
         """The task Jacobian (m,n) of E's origin at `q` (n,)."""
         self.plant.SetPositions(scratch, q)
+        return self._jacobian(scratch)
+
+    def position_and_jacobian(self, scratch: Context, q: Array) -> tuple[list[float], Array]:
+        """Both at once, cheaper than one after the other."""
+        self.plant.SetPositions(scratch, q)
+        return self._position(scratch), self._jacobian(scratch)
+
+    def _position(self, scratch: Context) -> list[float]:
+        pose = self._frame.CalcPoseInWorld(scratch)
+        return pose.translation()[self._coordinates].tolist()
+
+    def _jacobian(self, scratch: Context) -> Array:
         world = self._world
         J = self.plant.CalcJacobianSpatialVelocity(
             scratch, JacobianWrtVariable.kV, self._frame, self._origin, world, world

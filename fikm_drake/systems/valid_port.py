@@ -6,14 +6,16 @@ from fikm_drake.laws.steps import all_finite
 
 
 def declare_valid_port(system: LeafSystem) -> OutputPort:
-    """Declare an output `valid` (1): 1 while every input of `system` is finite, else 0.
+    """Declare an output `valid` (1): 1 while every connected input of `system` is finite, else 0.
 
     Call it after the inputs are declared.
     """
     ports = [system.get_input_port(i) for i in range(system.num_input_ports())]
 
     def calc(context: Context, output: BasicVector) -> None:
-        output[0] = float(all(all_finite(port.Eval(context).tolist()) for port in ports))
+        output[0] = float(
+            all(all_finite(port.Eval(context)) for port in ports if port.HasValue(context))
+        )
 
     return system.DeclareVectorOutputPort(
         "valid", 1, calc, prerequisites_of_calc={port.ticket() for port in ports}

@@ -52,4 +52,5 @@ class VariableGain(LeafSystem):
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         gain = float(self._gain.Eval(context)[0])
-        output.set_value(amplify(gain, self._error.Eval(context).tolist(), self._limit))
+        error = self._error.Eval(context).tolist()
+        output.get_mutable_value()[:] = amplify(gain, error, self._limit)
