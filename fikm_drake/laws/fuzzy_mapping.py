@@ -1,5 +1,7 @@
 """The fuzzy inverse kinematic mapping: (J, dr) to a joint step (Xu & Nechyba 1993)."""
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -54,7 +56,6 @@ class FuzzyMapping:
             raise ValueError(f"zero_threshold must be in [0, 1), got {zero_threshold!r}")
         self.method = method
         self.zero_threshold = float(zero_threshold)
-        self._ones: dict[int, Array] = {}
         if method == "indirect":
             return
         if jacobian_range is None:
@@ -117,18 +118,12 @@ class FuzzyMapping:
             return self(J, dr).tolist()
         A = np.abs(J)
         m, n = A.shape
-        rows = A.dot(self._one(n)).tolist()
-        columns = self._one(m).dot(A).tolist()
+        rows = A.dot(_ones(n)).tolist()
+        columns = _ones(m).dot(A).tolist()
         zero = self.zero_threshold * max(rows)
         pushes = np.array([e / r if r > zero else 0.0 for e, r in zip(dr, rows)]).dot(J).tolist()
         zero = self.zero_threshold * max(columns)
         return [p / c if c > zero else 0.0 for p, c in zip(pushes, columns)]
-
-    def _one(self, size: int) -> Array:
-        ones = self._ones.get(size)
-        if ones is None:
-            ones = self._ones[size] = np.ones(size)
-        return ones
 
     def _infer(self, dr: Array, J: Array) -> Array:
         """dθ_ij (…,m,n) of the rule bases (equation 19); zero where the range is zero."""
@@ -145,6 +140,9 @@ class FuzzyMapping:
             chosen = ranges == j_max
             dtheta[..., chosen] = rules(dr[..., chosen], J[..., chosen])
         return dtheta
+
+
+_ones = cache(np.ones)
 
 
 def _reciprocal(sums: Array, threshold: float) -> Array:

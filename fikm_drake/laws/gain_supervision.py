@@ -112,7 +112,7 @@ class GainSupervision:
         window = self._window
         _, known, was_positive, was_negative = state[:4]
         errors, flips = state[4 : 4 + window], state[4 + window :]
-        if error > 0.0 and isfinite(error):
+        if 0.0 < error < inf:
             known = min(known + 1, window)
             errors = [*errors[1:], error]
         positive = negative = 0
@@ -132,10 +132,8 @@ class GainSupervision:
 
     def _relative(self, state: Sequence[float], error: float) -> float:
         """The error over its average over the last `window` cycles, itself among them."""
-        if error == 0.0:
-            return 0.0
-        if not isfinite(error):
-            return inf
+        if not 0.0 < error < inf:
+            return 0.0 if error == 0.0 else inf
         window = self._window
         if state[1] + 1 < window:
             return self._medium

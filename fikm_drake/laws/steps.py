@@ -36,11 +36,14 @@ def integrate(position: Vector, joint_step: Vector, lower: Vector, upper: Vector
 
     A position that is outside already, as at the start, is not pulled in, only not let further out.
     """
-    if not all_finite(joint_step):
-        return list(position)
     moved = [q + s for q, s in zip(position, joint_step)]
-    if all(map(_inside, lower, moved, upper)):
+    for low, x, high in zip(lower, moved, upper):
+        if not low < x < high:  # also if x is not finite
+            break
+    else:
         return moved
+    if not all_finite(moved):
+        return list(position)
     return [
         min(max(x, min(low, q)), max(high, q))
         for q, x, low, high in zip(position, moved, lower, upper)
@@ -51,7 +54,3 @@ def is_limited(position: Vector, joint_step: Vector, lower: Vector, upper: Vecto
     """True if a joint limit takes away a part of a finite joint step."""
     moved = [q + s for q, s in zip(position, joint_step)]
     return all_finite(joint_step) and integrate(position, joint_step, lower, upper) != moved
-
-
-def _inside(low: float, x: float, high: float) -> bool:
-    return low <= x <= high

@@ -105,7 +105,6 @@ class FusedFuzzyIk(LeafSystem):
         velocity = self.DeclareDiscreteState(n)
         # The filtered gain, the filtered error and the supervisor's memory.
         self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m, *supervision])
-        self._scratch = self._kinematics.declare_scratch(self)
         self.DeclareStateOutputPort("commanded_position", position)
         self.DeclareStateOutputPort("commanded_velocity", velocity)
         self._declare_output("joint_step", n, lambda cycle, *_: cycle.joint_step)
@@ -145,7 +144,7 @@ class FusedFuzzyIk(LeafSystem):
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
         config, m = self._config, self._num_rows
         q = command if self._estimated is None else self._estimated.Eval(context)
-        actual, J = self._kinematics.position_and_jacobian(self._scratch.Eval(context), q)
+        actual, J = self._kinematics.position_and_jacobian(q)
         error = difference(self._desired.Eval(context).tolist(), actual)
         valid = all_finite(error)
         if not valid:

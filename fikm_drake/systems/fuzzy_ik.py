@@ -61,7 +61,6 @@ class FuzzyIk(LeafSystem):
         self._error = self.DeclareVectorInputPort("task_error", m)
         self._position = self.DeclareVectorInputPort("position", n)
         self._guard = self.DeclareVectorInputPort("guard", guard_size or m)
-        self._scratch = self._kinematics.declare_scratch(self)
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -83,6 +82,6 @@ class FuzzyIk(LeafSystem):
             return self._hold
         error = self._error.Eval(context).tolist()
         q = self._position.Eval(context)
-        J = self._kinematics.jacobian(self._scratch.Eval(context), q)
+        J = self._kinematics.jacobian(q)
         step = self._law.step(J, error)
         return step if all_finite(step) else self._hold

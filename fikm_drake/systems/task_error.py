@@ -46,7 +46,6 @@ class TaskError(LeafSystem):
         self._zeros = [0.0] * m
         self._desired = self.DeclareVectorInputPort("desired_position", m)
         self._position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
-        self._scratch = self._kinematics.declare_scratch(self)
         self.DeclareVectorOutputPort(
             "task_error",
             m,
@@ -57,6 +56,6 @@ class TaskError(LeafSystem):
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
         q = self._position.Eval(context)
-        actual = self._kinematics.position(self._scratch.Eval(context), q)
+        actual = self._kinematics.position(q)
         error = difference(self._desired.Eval(context).tolist(), actual)
         output.get_mutable_value()[:] = error if all_finite(error) else self._zeros

@@ -1,22 +1,24 @@
 """Position and Jacobian of a tool point by Drake's MultibodyPlant, for the blocks."""
 
+import threading
+
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import Value
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
-from pydrake.systems.framework import CacheEntry, Context, LeafSystem, ValueProducer
 
 from fikm_drake.kinematics.task import Task
 
 Array = NDArray[np.float64]
+VELOCITY = JacobianWrtVariable.kV
+ORIGIN = np.zeros(3)
 
 
 class ToolKinematics:
     """Task coordinates and task Jacobian of the origin of a frame E, in the world frame.
 
-    The plant's Context, which Drake needs as scratch, is not kept here: a block declares it as a
-    cache entry of its own (`declare_scratch`) and passes it in, so that its Contexts stay apart.
+    Every function depends on `q` only, from any thread: the plant's Context, which Drake needs as
+    scratch, is one for each thread, and its positions are set before each use.
 
     Args:
         plant: a finalized plant whose velocities are the rates of its positions.
@@ -41,7 +43,8 @@ class ToolKinematics:
         self.task = task
         self._frame = _frame_by_name(plant, frame)
         self._world = plant.world_frame()
-        self._origin = np.zeros(3)
+        self._jacobian = plant.CalcJacobianSpatialVelocity
+        self._scratch = _Scratch(plant)
         first, last = min(task.coordinates), max(task.coordinates)
         step = max(last - first, 1) if task.size == 2 else 1
         self._coordinates = slice(first, last + 1, step)
@@ -62,42 +65,34 @@ class ToolKinematics:
         """The plant's default positions (n,) [rad or m]."""
         return np.array(self.plant.GetPositions(self.plant.CreateDefaultContext()))
 
-    def declare_scratch(self, system: LeafSystem) -> CacheEntry:
-        """A cache entry of `system` that holds a plant Context; `Eval` it and pass it in below."""
-        return system.DeclareCacheEntry(
-            description="plant context",
-            value_producer=ValueProducer(
-                allocate=lambda: Value[object](self.plant.CreateDefaultContext()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            prerequisites_of_calc={system.nothing_ticket()},
-        )
-
-    def position(self, scratch: Context, q: Array) -> list[float]:
+    def position(self, q: Array) -> list[float]:
         """The task coordinates (m) [m] of E's origin at `q` (n,)."""
-        self.plant.SetPositions(scratch, q)
-        return self._position(scratch)
+        context = self._scratch.context
+        self.plant.SetPositions(context, q)
+        return self._frame.CalcPoseInWorld(context).translation()[self._coordinates].tolist()
 
-    def jacobian(self, scratch: Context, q: Array) -> Array:
+    def jacobian(self, q: Array) -> Array:
         """The task Jacobian (m,n) of E's origin at `q` (n,)."""
-        self.plant.SetPositions(scratch, q)
-        return self._jacobian(scratch)
+        context = self._scratch.context
+        self.plant.SetPositions(context, q)
+        return self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)[
+            self._rows
+        ]
 
-    def position_and_jacobian(self, scratch: Context, q: Array) -> tuple[list[float], Array]:
+    def position_and_jacobian(self, q: Array) -> tuple[list[float], Array]:
         """Both at once, cheaper than one after the other."""
-        self.plant.SetPositions(scratch, q)
-        return self._position(scratch), self._jacobian(scratch)
+        context = self._scratch.context
+        self.plant.SetPositions(context, q)
+        position = self._frame.CalcPoseInWorld(context).translation()
+        J = self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)
+        return position[self._coordinates].tolist(), J[self._rows]
 
-    def _position(self, scratch: Context) -> list[float]:
-        pose = self._frame.CalcPoseInWorld(scratch)
-        return pose.translation()[self._coordinates].tolist()
 
-    def _jacobian(self, scratch: Context) -> Array:
-        world = self._world
-        J = self.plant.CalcJacobianSpatialVelocity(
-            scratch, JacobianWrtVariable.kV, self._frame, self._origin, world, world
-        )
-        return J[self._rows]
+class _Scratch(threading.local):
+    """A plant Context for each thread; each use writes all of it that it reads."""
+
+    def __init__(self, plant: MultibodyPlant) -> None:
+        self.context = plant.CreateDefaultContext()
 
 
 def _frame_by_name(plant: MultibodyPlant, name: str):
