@@ -1,0 +1,76 @@
+"""Fuzzy inverse kinematics for robot arms, as Drake systems.
+
+    import fikm_drake as fd
+
+    log = fd.simulate(fd.load_scenario("table6_10s"))
+    print(log.metrics())
+
+Layers, each of which imports only those below it: `diagrams` and `simulation` over `systems` over
+`laws` over `kinematics` and `fuzzy`. Lengths are in metres, angles in radians, times in seconds.
+"""
+
+from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
+from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
+from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
+from fikm_drake.resources import ConfigureParser
+from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.simulate import SimulationStopped, simulate
+from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.tracking_metrics import TrackingMetrics
+from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
+from fikm_drake.simulation.write_html import write_html
+from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
+from fikm_drake.systems.fuzzy_ik import FuzzyIk
+from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.systems.gain_supervisor import GainSupervisor
+from fikm_drake.systems.joint_integrator import JointIntegrator
+from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.status_monitor import StatusMonitor
+from fikm_drake.systems.task_error import TaskError
+from fikm_drake.systems.variable_gain import VariableGain
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "AddDhArm",
+    "AddFuzzyIkController",
+    "ConfigureParser",
+    "ControllerStatus",
+    "DhArm",
+    "DhJoint",
+    "DhTable",
+    "DhTransform",
+    "FusedFuzzyIk",
+    "FuzzyIk",
+    "FuzzyIkConfig",
+    "FuzzyIkController",
+    "FuzzyMapping",
+    "GainSupervision",
+    "GainSupervisor",
+    "GainSupervisorConfig",
+    "JointIntegrator",
+    "LowPassFilter",
+    "MakeFuzzyIkController",
+    "RuleBase",
+    "SimulationStopped",
+    "StatusMonitor",
+    "TaskError",
+    "TrackingLog",
+    "TrackingMetrics",
+    "TrackingScenario",
+    "TriangularPartition",
+    "VariableGain",
+    "generate_rule_base",
+    "load_arm",
+    "load_scenario",
+    "plot_log",
+    "simulate",
+    "write_html",
+]

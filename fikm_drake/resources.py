@@ -1,11 +1,14 @@
 """The folder `models/`: found from a checkout, an editable install and an installed wheel alike."""
 
 from pathlib import Path
+from typing import TypeVar
 
 from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody.parsing import Parser
 
 _PACKAGE = Path(__file__).resolve().parent
+
+Schema = TypeVar("Schema")
 
 
 def models_dir() -> Path:
@@ -51,7 +54,7 @@ def find_model(name_or_path: str | Path, *, folder: str = "", kind: str = "arm")
     )
 
 
-def load_yaml(schema: type, path: Path, *, kind: str):
+def load_yaml(schema: type[Schema], path: Path, *, kind: str) -> Schema:
     """Read a YAML file into a dataclass by Drake's typed YAML.
 
     Raises:
@@ -66,5 +69,5 @@ def load_yaml(schema: type, path: Path, *, kind: str):
 
 
 def ConfigureParser(parser: Parser) -> None:
-    """Let `parser` resolve `package://fikm_drake/…`, as Drake's manipulation.ConfigureParser does."""
+    """Let `parser` resolve `package://fikm_drake/…`, like Drake's manipulation.ConfigureParser."""
     parser.package_map().AddPackageXml(str(models_dir() / "package.xml"))

@@ -88,7 +88,10 @@ class FuzzyIkController(Diagram):
         error_filter = add(
             "error_filter", LowPassFilter(m, period=period, smoothing=config.error_smoothing)
         )
-        ik = add("fuzzy_ik", FuzzyIk(plant, law=law, frame=config.frame, task=config.task))
+        ik = add(
+            "fuzzy_ik",
+            FuzzyIk(plant, law=law, frame=config.frame, task=config.task, guard_size=m),
+        )
         integrator = add(
             "joint_integrator",
             JointIntegrator(

@@ -11,7 +11,8 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
     """Add `arm` to `plant` with its base welded to the world; returns its model instance.
 
     Bodies `base`, `link1` … and `tool`, joints and actuators `joint1` … and `joint1_motor` …, the
-    tool's frame `tool`. Its default position is the nearest to zero inside the limits. The visual shapes are registered if the plant has a SceneGraph.
+    tool's frame `tool`. Its default position is the nearest to zero inside the limits. The visual
+    shapes are registered if the plant has a SceneGraph.
 
     Raises:
         ValueError: the plant is finalized already.

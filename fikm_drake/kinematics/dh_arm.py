@@ -20,7 +20,8 @@ class DhArm:
     1 … n (the modified DH frames, each on its joint's axis) and the tool frame.
 
     A table in the standard convention is read as the modified table it equals: the factors
-    Tx(a_i) Rx(α_i) that end one standard row begin the next modified one, the last of them the tool.
+    Tx(a_i) Rx(α_i) that end one standard row begin the next modified one, the last of them the
+    tool.
 
     Args:
         table: the arm's table; it is copied.
@@ -78,7 +79,7 @@ class DhArm:
         return np.clip(np.zeros(self.num_joints), self.lower, self.upper)
 
     def joint_origin(self, i: int) -> Array:
-        """Pose (4,4) of the frame in which joint i (from 0) moves about or along z, in link i's frame."""
+        """Pose (4,4) in link i's frame of the frame about or along whose z joint i (from 0) moves."""
         row = self._table.joints[i]
         return self._origins[i] @ _z_part(row)
 
@@ -147,7 +148,7 @@ class DhArm:
         return np.swapaxes(np.concatenate([angular, linear], axis=-1), -1, -2)
 
     def jacobian_range(self) -> Array:
-        """Bounds of the Jacobian's elements over all joint positions, equations 8-11 of Xu & Nechyba.
+        """Bounds of the Jacobian's elements over all joint positions (Xu & Nechyba, eqs. 8-11).
 
         Returns:
             (6,n), rows [ω; v]: |J_ij(q)| never exceeds element (i,j). Revolute joints are taken
@@ -157,7 +158,7 @@ class DhArm:
         return jacobian_range(self._table.joints, self._origins, self._tool)
 
     def to_urdf(self) -> str:
-        """The arm as a URDF: links `base`, `link1` …, `tool`, joints `joint1` …; see `kinematics.urdf`."""
+        """The arm as URDF: links `base`, `link1` …, `tool`, joints `joint1` …; see `urdf.py`."""
         joints = self._table.joints
         origins = [self.joint_origin(i) for i in range(self.num_joints)]
         return urdf(self.name, joints, origins, self._tool)

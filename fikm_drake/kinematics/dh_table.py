@@ -1,13 +1,11 @@
-"""The Denavit-Hartenberg table of an arm: the dataclasses that a YAML file of `models/` is read into."""
+"""An arm's Denavit-Hartenberg table: the dataclasses that a YAML file of `models/` is read into."""
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
 from math import inf, isfinite
-from typing import Optional
 
 CONVENTIONS = ("craig", "standard")
 JOINT_TYPES = ("revolute", "prismatic")
-
 
 
 @dataclass
@@ -41,11 +39,11 @@ class DhJoint(DhTransform):
 
     type: str = "revolute"
     """`revolute` or `prismatic`."""
-    lower: Optional[float] = None
+    lower: float | None = None
     """Lower limit [rad or m]; None: no limit."""
-    upper: Optional[float] = None
+    upper: float | None = None
     """Upper limit [rad or m]; None: no limit."""
-    velocity: Optional[float] = None
+    velocity: float | None = None
     """Limit of the speed [rad/s or m/s]; None: no limit."""
 
     @property

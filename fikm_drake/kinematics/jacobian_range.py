@@ -32,9 +32,13 @@ class _Extent:
         across = _max_across(self.across, self.along, cosine, sine)
         return _Extent(min(across, self.length), min(along, self.length), self.length)
 
-    def plus(self, x: float, z: float) -> "_Extent":
-        """Bounds after adding a vector with |x| and |z| and no y."""
-        return _Extent(self.across + x, self.along + z, self.length + hypot(x, z))
+    def through_row(self, origin: Array, d: float) -> "_Extent":
+        """Bounds one frame down, after |d| along z and then the twist and the length in `origin`."""
+        a = abs(origin[0, 3])
+        raised = _Extent(self.across, self.along + d, self.length + d)
+        turned = raised.rotated_x(*_twist(origin))
+        length = self.length + hypot(a, d)  # a along x and d across it
+        return _Extent(min(turned.across + a, length), min(turned.along, length), length)
 
 
 def _times(factor: float, bound: float) -> float:
@@ -62,7 +66,8 @@ def jacobian_range(joints: Sequence[DhJoint], origins: Sequence[Array], tool: Ar
     n = len(joints)
     bound = np.zeros((6, n))
     x, y, z = np.abs(tool[:3, 3])
-    to_tool = _Extent(hypot(x, y), z, hypot(x, y, z))  # from the link's origin to the tool, in the link's frame
+    # From the link's origin to the tool, in the link's frame.
+    to_tool = _Extent(hypot(x, y), z, hypot(x, y, z))
     for j in reversed(range(n)):
         if joints[j].is_revolute:
             bound[:3, j] = _in_base(_Extent(0.0, 1.0, 1.0), origins[: j + 1])
@@ -70,13 +75,12 @@ def jacobian_range(joints: Sequence[DhJoint], origins: Sequence[Array], tool: Ar
         else:
             bound[3:, j] = _in_base(_Extent(0.0, 1.0, 1.0), origins[: j + 1])
         # The joint adds its offset along z, then the row's twist and length lead one frame down.
-        to_tool = to_tool.plus(0.0, _largest_offset(joints[j]))
-        to_tool = to_tool.rotated_x(*_twist(origins[j])).plus(abs(origins[j][0, 3]), 0.0)
+        to_tool = to_tool.through_row(origins[j], _largest_offset(joints[j]))
     return bound
 
 
 def _in_base(extent: _Extent, origins: Sequence[Array]) -> Array:
-    """Bounds of the components in the base frame of a vector given in the last frame of `origins`."""
+    """Bounds of the base frame's components of a vector given in the last frame of `origins`."""
     for origin in reversed(origins[1:]):
         extent = extent.rotated_x(*_twist(origin))
     cosine, sine = _twist(origins[0])

@@ -75,7 +75,7 @@ def _add_link(robot: ET.Element, name: str, end: Array, radius: float) -> None:
 
 
 def _add_inertial(link: ET.Element, end: Array, radius: float) -> None:
-    """Mass, centre of mass and inertia of a ball at the link's origin and a bar from there to `end`."""
+    """Mass and inertia of a ball at the link's origin and a bar from there to `end`."""
     inertia = SpatialInertia.SolidSphereWithDensity(density=DENSITY, radius=BALL * radius)
     length = float(np.linalg.norm(end))
     if length > 0.0:
@@ -152,9 +152,14 @@ def _roll_pitch_yaw(pose: Array) -> Array:
 
 def _exact(values: ArrayLike) -> str:
     """Numbers of a joint frame: rounded to 1e-15, so that a right angle's cosine reads 0."""
-    return " ".join(repr(float(v)) for v in np.atleast_1d(np.round(values, 15)) + 0.0)
+    return " ".join(repr(float(v)) for v in _rounded(values, 15))
 
 
 def _short(values: ArrayLike) -> str:
     """Numbers of masses and shapes: six significant digits."""
-    return " ".join(f"{v:.6g}" for v in np.atleast_1d(np.round(values, 12)) + 0.0)
+    return " ".join(f"{v:.6g}" for v in _rounded(values, 12))
+
+
+def _rounded(values: ArrayLike, decimals: int) -> Array:
+    """The values (k,), none of them a negative zero."""
+    return np.atleast_1d(np.round(np.asarray(values, dtype=float), decimals)) + 0.0

@@ -1,14 +1,21 @@
 """The fuzzy gain and the detection of oscillation (Xu & Nechyba 1993, section 2.7)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 MAX_JOINTS = 52
 """The signs of the joint steps are kept as the bits of an integer in a double."""
+
+HEAD = 5
+"""Length of the part of the memory before the rings."""
+
+Array = NDArray[np.float64]
 
 
 @dataclass
@@ -64,12 +71,14 @@ def gain_rules(config: GainSupervisorConfig) -> RuleBase:
 
 
 class GainSupervision:
-    """Section 2.7 as a pure law: a gain from the error, its recent average and the joints' signs.
+    """Section 2.7 as a law: a gain from the error, its recent average and the signs of the steps.
 
-    What it remembers is a list of floats that the caller keeps, so that a block's Context can:
-    the largest number of sign changes of a joint, how many errors are known, the joints whose last
-    motion was positive, those whose was negative (bit j: joint j), the last errors, and for each
-    pair of successive cycles the joints that changed sign (bits too); newest last.
+    What it remembers is a vector that the caller keeps, so that a block's Context can:
+
+    - the largest number of sign changes of a joint, how many errors and how many cycles are known;
+    - the joints whose last motion was positive, and those whose was negative (bit j: joint j);
+    - the last `window` errors, and the joints that changed sign (bits too) between each two of the
+      last `window` cycles, both as rings.
 
     Until `window` errors are known there is no average to compare with and an error counts as
     medium. An error of exactly zero tells nothing and is not remembered. One that is not finite
@@ -84,66 +93,58 @@ class GainSupervision:
         config.validate()
         self.rules = gain_rules(config)
         self._window = config.window
+        self._errors = slice(HEAD, HEAD + config.window)
+        self._flips = slice(HEAD + config.window, HEAD + 2 * config.window - 1)
         self._threshold = config.sign_changes
         self._medium = float(config.error_breakpoints[1])
         self._dead_band = config.dead_band
 
-    @property
-    def state_size(self) -> int:
-        """Length of the state list."""
-        return 4 + self._window + self._window - 1
+    def initial_memory(self) -> Array:
+        """The memory before the first cycle."""
+        return np.zeros(self._flips.stop)
 
-    def initial_state(self) -> list[float]:
-        """The state before the first cycle."""
-        return [0.0] * self.state_size
-
-    def gain(self, state: Sequence[float], error: float) -> float:
+    def gain(self, memory: Array, error: float) -> float:
         """The gain for an error of length `error` [m]."""
-        return self.rules.evaluate(self._relative(state, error), state[0])
+        changes, known = memory[:2].tolist()
+        if not 0.0 < error < inf:
+            relative = 0.0 if error == 0.0 else inf
+        elif known + 1 < self._window:
+            relative = self._medium
+        else:
+            errors = memory[self._errors].tolist()
+            oldest = errors[int(known) % self._window]
+            relative = error * self._window / (sum(errors) - oldest + error)
+        return self.rules.evaluate(relative, changes)
 
-    def oscillating(self, state: Sequence[float]) -> bool:
+    def oscillating(self, memory: Array) -> bool:
         """True while the steps of a joint change sign `sign_changes` times within the window."""
-        return state[0] >= self._threshold
+        return bool(memory[0] >= self._threshold)
 
-    def advance(
-        self, state: Sequence[float], error: float, joint_step: Sequence[float]
-    ) -> list[float]:
-        """The state after a cycle with an error of length `error` [m] and these joint steps."""
-        window = self._window
-        _, known, was_positive, was_negative = state[:4]
-        errors, flips = state[4 : 4 + window], state[4 + window :]
+    def remember(self, memory: Array, error: float, joint_step: Array) -> None:
+        """Write a cycle with an error of length `error` [m] and these joint steps into `memory`."""
+        changes, known, cycles, was_positive, was_negative = map(int, memory[:HEAD].tolist())
         if 0.0 < error < inf:
-            known = min(known + 1, window)
-            errors = [*errors[1:], error]
+            memory[HEAD + known % self._window] = error
+            known += 1
         positive = negative = 0
         bit, dead_band = 1, self._dead_band
-        for step in joint_step:
+        for step in joint_step.tolist():
             if step > dead_band:
                 positive |= bit
             elif step < -dead_band:
                 negative |= bit
             bit <<= 1
-        before_positive, before_negative = int(was_positive), int(was_negative)
-        changed = positive & before_negative | negative & before_positive
-        now_positive = positive | before_positive & ~negative
-        now_negative = negative | before_negative & ~positive
-        flips = [*flips[1:], changed]
-        return [_most_changes(flips), known, now_positive, now_negative, *errors, *flips]
-
-    def _relative(self, state: Sequence[float], error: float) -> float:
-        """The error over its average over the last `window` cycles, itself among them."""
-        if not 0.0 < error < inf:
-            return 0.0 if error == 0.0 else inf
-        window = self._window
-        if state[1] + 1 < window:
-            return self._medium
-        return error * window / (sum(state[5 : 4 + window]) + error)
+        flips = positive & was_negative | negative & was_positive
+        slot = self._flips.start + cycles % (self._window - 1)
+        if flips or memory[slot]:  # else the count stays
+            memory[slot] = flips
+            changes = _most_changes(memory[self._flips].tolist())
+        positive, negative = positive | was_positive & ~negative, negative | was_negative & ~positive
+        memory[:HEAD] = changes, known, cycles + 1, positive, negative
 
 
-def _most_changes(flips: Sequence[float]) -> int:
+def _most_changes(flips: list[float]) -> int:
     """The largest number of changes of one joint; bit j of each number is joint j's change."""
     changed = [int(f) for f in flips if f]
-    if not changed:  # the usual case
-        return 0
-    joints = max(changed).bit_length()
-    return max(sum(f >> j & 1 for f in changed) for j in range(joints))
+    joints = max(changed, default=0).bit_length()
+    return max((sum(f >> j & 1 for f in changed) for j in range(joints)), default=0)

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.simulation.tracking_log import TrackingLog
@@ -91,7 +92,7 @@ def _plot_path(axes: Axes, log: TrackingLog) -> None:
     axes.plot(*waypoints[-1:].T, "kx", markersize=7, label="target")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    if log.desired.shape[1] == 3:
+    if isinstance(axes, Axes3D):
         axes.set_zlabel("z [m]")
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(fontsize=9)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
@@ -84,7 +84,7 @@ def _chunks(cycles: int) -> list[int]:
     return sorted({-(-cycles * part // 100) for part in range(1, 101)})
 
 
-def _data(sink: VectorLogSink, root) -> np.ndarray:
+def _data(sink: VectorLogSink, root: Context) -> np.ndarray:
     """Samples (N, size), copied: Drake's are views."""
     return sink.FindLog(root).data().T.copy()
 

@@ -63,7 +63,7 @@ class TrackingLog:
         return tracking_metrics(self.error, self.actual, np.array(self.scenario.waypoints))
 
     def save(self, path: str | Path) -> None:
-        """Write a compressed .npz without pickles: the series and the scenario with its arm as YAML.
+        """Write a .npz without pickles: the series, and the scenario with its arm as YAML.
 
         Raises:
             OSError: the file cannot be written.
@@ -72,9 +72,7 @@ class TrackingLog:
         scenario = TrackingScenario(**{**_fields(self.scenario), "arm": arm})
         series = {name: getattr(self, name) for name in series_names()}
         with open(path, "wb") as file:  # an open file: numpy would add .npz to another name
-            np.savez_compressed(
-                file, format=FORMAT, scenario=yaml_dump_typed(scenario), **series
-            )
+            np.savez_compressed(file, format=FORMAT, scenario=yaml_dump_typed(scenario), **series)
 
     @classmethod
     def load(cls, path: str | Path) -> "TrackingLog":
@@ -104,8 +102,8 @@ class TrackingLog:
             OSError: the file cannot be written.
         """
         axes = "xyz"[: self.desired.shape[1]]
-        units = ["rad" if joint.is_revolute else "m" for joint in self.scenario.load_arm().table.joints]
-        joints = [f"{i}_{unit}" for i, unit in enumerate(units, start=1)]
+        rows = self.scenario.load_arm().table.joints
+        joints = [f"{i}_{'rad' if row.is_revolute else 'm'}" for i, row in enumerate(rows, start=1)]
         header = ["time_s"]
         for name in ("desired", "actual", "error"):
             header += [f"{name}_{axis}_m" for axis in axes]

@@ -5,7 +5,6 @@ import dataclasses
 from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
-from typing import Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +32,8 @@ class TrackingScenario:
         FileNotFoundError: there is no such arm; the message lists ours.
     """
 
-    arm: Union[str, DhTable] = ""
-    """Name of one of our arms, path of a YAML file, or the table itself (a `DhArm` is taken too)."""
+    arm: str | DhTable = ""
+    """Name of one of our arms, path of a YAML file, or the table itself; a `DhArm` is taken too."""
     waypoints: list[list[float]] = field(default_factory=list)
     """Corners of the path in the base frame [m]; pairs are (x, y), and only these rows count."""
     duration: float = 0.0
@@ -43,7 +42,7 @@ class TrackingScenario:
     """Time at the last waypoint afterwards [s]."""
     control_rate: float = 50.0
     """Cycles a second [Hz]; takes the place of the config's."""
-    initial_position: Optional[list[float]] = None
+    initial_position: list[float] | None = None
     """Joint positions at the start [rad or m]; None: the nearest to zero inside the limits."""
     profile: str = "constant"
     """`constant` speed, or `cubic`: the path length is a cubic of time, at rest at both ends."""
@@ -98,7 +97,7 @@ class TrackingScenario:
         arm = self.load_arm()
         if self.initial_position is None:
             return arm.default_position
-        return check_position(self.initial_position, arm.num_joints)
+        return check_position(self.initial_position, arm.lower, arm.upper)
 
     def trajectory(self) -> Trajectory:
         """The target (m,1) [m] over time [s]."""

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from math import hypot
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -19,14 +19,7 @@ from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.controller_status import controller_status
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.gain_supervision import GainSupervision
-from fikm_drake.laws.steps import (
-    all_finite,
-    amplify,
-    difference,
-    integrate,
-    is_limited,
-    low_pass,
-)
+from fikm_drake.laws.steps import all_finite, amplify, integrate, is_limited, length, low_pass
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 from fikm_drake.systems.tool_kinematics import ToolKinematics
@@ -39,11 +32,12 @@ class _Cycle(NamedTuple):
     """What one control cycle computes from the state and the inputs."""
 
     valid: bool
-    error: list[float]
+    error: Array
+    error_length: float
     gain: float
     filtered_gain: float
-    filtered_error: list[float]
-    joint_step: list[float]
+    filtered_error: Array
+    joint_step: Array
 
 
 class FusedFuzzyIk(LeafSystem):
@@ -90,26 +84,24 @@ class FusedFuzzyIk(LeafSystem):
         self._supervision = GainSupervision(config.supervisor)
         self._config = dataclasses.replace(config)
         self._error_limit = config.longest_error
-        self._lower = self._kinematics.lower.tolist()
-        self._upper = self._kinematics.upper.tolist()
+        self._lower = self._kinematics.lower
+        self._upper = self._kinematics.upper
         n, m = self._kinematics.num_joints, self._kinematics.task.size
-        self._num_rows = m
-        self._hold = [0.0] * n
+        self._no_error, self._hold = np.zeros(m), np.zeros(n)
 
         self._desired = self.DeclareVectorInputPort("desired_position", m)
         self._estimated = (
             self.DeclareVectorInputPort("estimated_position", n) if config.measured_position else None
         )
-        supervision = self._supervision.initial_state()
         position = self.DeclareDiscreteState(self._kinematics.default_position)
         velocity = self.DeclareDiscreteState(n)
-        # The filtered gain, the filtered error and the supervisor's memory.
-        self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m, *supervision])
+        self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m])  # the filters
+        self.DeclareDiscreteState(self._supervision.initial_memory())
         self.DeclareStateOutputPort("commanded_position", position)
         self.DeclareStateOutputPort("commanded_velocity", velocity)
         self._declare_output("joint_step", n, lambda cycle, *_: cycle.joint_step)
         self._declare_output("task_error", m, lambda cycle, *_: cycle.error)
-        self._declare_output("gain", 1, lambda cycle, *_: [cycle.gain])
+        self._declare_output("gain", 1, lambda cycle, *_: cycle.gain)
         self._declare_output("oscillating", 1, self._oscillating)
         self._declare_output("status", 1, self._status)
         self.DeclarePeriodicDiscreteUpdateEvent(config.period, 0.0, self._update)
@@ -120,18 +112,16 @@ class FusedFuzzyIk(LeafSystem):
         Raises:
             ValueError: naming the bad value.
         """
-        n = self._kinematics.num_joints
-        context.SetDiscreteState(0, check_position(position, n))
-        context.SetDiscreteState(1, np.zeros(n))
+        context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
+        context.SetDiscreteState(1, np.zeros(len(self._lower)))
 
-    def _declare_output(self, name: str, size: int, pick: Callable[..., list[float]]) -> None:
-        """An output that is picked from (cycle, commanded position, memory) when somebody asks."""
+    def _declare_output(self, name: str, size: int, pick: Callable[..., Array | float]) -> None:
+        """An output picked from (cycle, command, memory), computed when somebody asks."""
 
         def calc(context: Context, output: BasicVector) -> None:
-            command = context.get_discrete_state(0).value()
-            memory = context.get_discrete_state(2).value().tolist()
-            cycle = self._cycle(context, command, memory)
-            output.get_mutable_value()[:] = pick(cycle, command.tolist(), memory)
+            command, filters, memory = (context.get_discrete_state(i).value() for i in (0, 2, 3))
+            cycle = self._cycle(context, command, filters, memory)
+            output.get_mutable_value()[:] = pick(cycle, command, memory)
 
         self.DeclareVectorOutputPort(
             name,
@@ -140,52 +130,46 @@ class FusedFuzzyIk(LeafSystem):
             prerequisites_of_calc={self.all_input_ports_ticket(), self.xd_ticket()},
         )
 
-    def _cycle(self, context: Context, command: Array, memory: list[float]) -> _Cycle:
+    def _cycle(self, context: Context, command: Array, filters: Array, memory: Array) -> _Cycle:
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
-        config, m = self._config, self._num_rows
+        config = self._config
         q = command if self._estimated is None else self._estimated.Eval(context)
         actual, J = self._kinematics.position_and_jacobian(q)
-        error = difference(self._desired.Eval(context).tolist(), actual)
-        valid = all_finite(error)
+        error = self._desired.Eval(context) - actual
+        size = length(error)
+        valid = isfinite(size)
         if not valid:
-            error = [0.0] * m
-        gain = self._supervision.gain(memory[1 + m :], self._length(error))
-        filtered_gain = low_pass(gain, memory[0], config.gain_smoothing)
-        amplified = amplify(filtered_gain, error, self._error_limit)
-        smoothing = config.error_smoothing
-        filtered_error = [low_pass(v, p, smoothing) for v, p in zip(amplified, memory[1 : 1 + m])]
+            error, size = self._no_error, 0.0
+        limit = self._error_limit
+        gain = self._supervision.gain(memory, min(size, limit))
+        filtered_gain = low_pass(gain, float(filters[0]), config.gain_smoothing)
+        amplified = amplify(filtered_gain, error, size, limit)
+        filtered_error = low_pass(amplified, filters[1:], config.error_smoothing)
         step = self._law.step(J, filtered_error) if valid else self._hold
         if not all_finite(step):
             step = self._hold
-        return _Cycle(valid, error, gain, filtered_gain, filtered_error, step)
+        return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
-    def _length(self, error: list[float]) -> float:
-        return min(hypot(*error), self._error_limit)
+    def _oscillating(self, cycle: _Cycle, command: Array, memory: Array) -> float:
+        return float(self._supervision.oscillating(memory))
 
-    def _oscillating(self, cycle: _Cycle, command: list[float], memory: list[float]) -> list[float]:
-        return [float(self._supervision.oscillating(memory[1 + self._num_rows :]))]
-
-    def _status(self, cycle: _Cycle, command: list[float], memory: list[float]) -> list[float]:
-        status = controller_status(
+    def _status(self, cycle: _Cycle, command: Array, memory: Array) -> float:
+        return controller_status(
             valid=cycle.valid,
-            error=hypot(*cycle.error),
+            error=cycle.error_length,
             tolerance=self._config.tolerance,
             limited=is_limited(command, cycle.joint_step, self._lower, self._upper),
-            oscillating=bool(self._oscillating(cycle, command, memory)[0]),
+            oscillating=self._supervision.oscillating(memory),
         )
-        return [float(status)]
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        # The values hold the current state until we write them.
+        # The values hold the present state until they are written.
         command = discrete_state.get_mutable_value(0)
-        memory = discrete_state.get_mutable_value(2)
-        before, remembered = command.tolist(), memory.tolist()
-        cycle = self._cycle(context, command, remembered)
-        after = integrate(before, cycle.joint_step, self._lower, self._upper)
-        rate = self._config.control_rate
+        filters, memory = discrete_state.get_mutable_value(2), discrete_state.get_mutable_value(3)
+        cycle = self._cycle(context, command, filters, memory)
+        after = integrate(command, cycle.joint_step, self._lower, self._upper)
+        discrete_state.set_value(1, (after - command) * self._config.control_rate)
         command[:] = after
-        discrete_state.get_mutable_value(1)[:] = [(b - a) * rate for a, b in zip(before, after)]
-        supervision = self._supervision.advance(
-            remembered[1 + self._num_rows :], self._length(cycle.error), cycle.joint_step
-        )
-        memory[:] = [cycle.filtered_gain, *cycle.filtered_error, *supervision]
+        filters[0], filters[1:] = cycle.filtered_gain, cycle.filtered_error
+        size = min(cycle.error_length, self._error_limit)
+        self._supervision.remember(memory, size, cycle.joint_step)

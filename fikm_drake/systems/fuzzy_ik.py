@@ -1,5 +1,6 @@
 """The differential-IK block: a task error in, a joint step out."""
 
+import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
@@ -26,9 +27,9 @@ class FuzzyIk(LeafSystem):
 
     - **task_error** (m) [m]: in the world frame, amplified and filtered as the user likes.
     - **position** (n) [rad or m]: the joints.
-    - **guard** (any size `guard_size`), optional: a signal that must be finite too. The controller
-      wires the desired position to it, since the filters before `task_error` would let the arm
-      coast after it is lost.
+    - **guard** (`guard_size`), only if that is not 0: a signal that must be finite too. The
+      controller wires the desired position to it, since the filters before `task_error` would let
+      the arm coast after it is lost.
     - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
 
@@ -37,7 +38,7 @@ class FuzzyIk(LeafSystem):
         law: the mapping (J, dr) to a joint step; by default the paper's.
         frame: name of the tool's frame.
         task: the coordinates that count, see `Task`.
-        guard_size: size of `guard`, m by default.
+        guard_size: size of `guard`; 0: there is no such port.
 
     Raises:
         ValueError: see `ToolKinematics` and `Task`.
@@ -50,38 +51,29 @@ class FuzzyIk(LeafSystem):
         law: FuzzyMapping | None = None,
         frame: str = "tool",
         task: str = "position",
-        guard_size: int | None = None,
+        guard_size: int = 0,
     ) -> None:
         super().__init__()
         self._kinematics = ToolKinematics(plant, frame, Task(task))
         self._law = law or FuzzyMapping()
         n = self._kinematics.num_joints
-        self._hold = [0.0] * n
+        self._hold = np.zeros(n)
         m = self._kinematics.task.size
         self._error = self.DeclareVectorInputPort("task_error", m)
         self._position = self.DeclareVectorInputPort("position", n)
-        self._guard = self.DeclareVectorInputPort("guard", guard_size or m)
+        self._guard = self.DeclareVectorInputPort("guard", guard_size) if guard_size else None
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
             self._calc_step,
-            prerequisites_of_calc={
-                self._error.ticket(),
-                self._position.ticket(),
-                self._guard.ticket(),
-            },
+            prerequisites_of_calc={self.all_input_ports_ticket()},
         )
         declare_valid_port(self)
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
-        output.get_mutable_value()[:] = self._calc(context)
-
-    def _calc(self, context: Context) -> list[float]:
-        guard = self._guard
-        if guard.HasValue(context) and not all_finite(guard.Eval(context).tolist()):
-            return self._hold
-        error = self._error.Eval(context).tolist()
-        q = self._position.Eval(context)
-        J = self._kinematics.jacobian(q)
-        step = self._law.step(J, error)
-        return step if all_finite(step) else self._hold
+        if self._guard is not None and not all_finite(self._guard.Eval(context)):
+            output.set_value(self._hold)
+            return
+        J = self._kinematics.jacobian(self._position.Eval(context))
+        step = self._law.step(J, self._error.Eval(context))
+        output.set_value(step if all_finite(step) else self._hold)

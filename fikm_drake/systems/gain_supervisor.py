@@ -1,10 +1,11 @@
 """The block that chooses the gain and sees oscillation."""
 
-from math import hypot, inf
+from math import inf
 
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.laws.gain_supervision import MAX_JOINTS, GainSupervision, GainSupervisorConfig
+from fikm_drake.laws.steps import length
 from fikm_drake.systems.checks import check_period, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -59,7 +60,7 @@ class GainSupervisor(LeafSystem):
         self._error_limit = error_limit
         self._error = self.DeclareVectorInputPort("task_error", num_rows)
         self._step = self.DeclareVectorInputPort("joint_step", num_joints)
-        self.DeclareDiscreteState(self._supervision.initial_state())
+        self.DeclareDiscreteState(self._supervision.initial_memory())
         self.DeclareVectorOutputPort(
             "gain",
             1,
@@ -72,19 +73,17 @@ class GainSupervisor(LeafSystem):
         declare_valid_port(self)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 
-    def _state(self, context: Context) -> list[float]:
-        return context.get_discrete_state_vector().value().tolist()
-
     def _length(self, context: Context) -> float:
-        return min(hypot(*self._error.Eval(context).tolist()), self._error_limit)
+        return min(length(self._error.Eval(context)), self._error_limit)
 
     def _calc_gain(self, context: Context, output: BasicVector) -> None:
-        output[0] = self._supervision.gain(self._state(context), self._length(context))
+        memory = context.get_discrete_state_vector().value()
+        output[0] = self._supervision.gain(memory, self._length(context))
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
-        output[0] = float(self._supervision.oscillating(self._state(context)))
+        memory = context.get_discrete_state_vector().value()
+        output[0] = self._supervision.oscillating(memory)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        state = discrete_state.get_mutable_value()  # holds the current state until we write it
-        step = self._step.Eval(context).tolist()
-        state[:] = self._supervision.advance(state.tolist(), self._length(context), step)
+        memory = discrete_state.get_mutable_value()  # holds the present state until it is written
+        self._supervision.remember(memory, self._length(context), self._step.Eval(context))

@@ -1,12 +1,14 @@
 """The block that adds up joint steps to a joint command."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.laws.steps import integrate, is_limited
+from fikm_drake.laws.steps import all_finite, integrate, is_limited
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
+
+Array = NDArray[np.float64]
 
 
 class JointIntegrator(LeafSystem):
@@ -49,10 +51,11 @@ class JointIntegrator(LeafSystem):
     ) -> None:
         super().__init__()
         self._lower, self._upper = check_limits(lower, upper)
-        n = len(self._lower)
+        start = check_position(initial_position, self._lower, self._upper)
+        n = len(start)
         self._rate = 1.0 / check_period(period)
         self._step = self.DeclareVectorInputPort("joint_step", n)
-        position = self.DeclareDiscreteState(check_position(initial_position, n))
+        position = self.DeclareDiscreteState(start)
         velocity = self.DeclareDiscreteState(n)
         self.DeclareStateOutputPort("position", position)
         self.DeclareStateOutputPort("velocity", velocity)
@@ -71,38 +74,43 @@ class JointIntegrator(LeafSystem):
         Raises:
             ValueError: naming the bad value.
         """
-        n = len(self._lower)
-        context.SetDiscreteState(0, check_position(position, n))
-        context.SetDiscreteState(1, np.zeros(n))
+        context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
+        context.SetDiscreteState(1, np.zeros(len(self._lower)))
 
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        q = context.get_discrete_state(0).value().tolist()
-        output[0] = is_limited(q, self._step.Eval(context).tolist(), self._lower, self._upper)
+        q, step = context.get_discrete_state(0).value(), self._step.Eval(context)
+        output[0] = all_finite(step) and is_limited(q, step, self._lower, self._upper)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        position = discrete_state.get_mutable_value(0)  # holds q until we write it
-        q = position.tolist()
-        after = integrate(q, self._step.Eval(context).tolist(), self._lower, self._upper)
-        rate = self._rate
+        step = self._step.Eval(context)
+        if not all_finite(step):
+            discrete_state.set_value(1, np.zeros_like(step))
+            return
+        position = discrete_state.get_mutable_value(0)  # holds q until it is written
+        after = integrate(position, step, self._lower, self._upper)
+        discrete_state.set_value(1, (after - position) * self._rate)
         position[:] = after
-        discrete_state.get_mutable_value(1)[:] = [(b - a) * rate for a, b in zip(q, after)]
 
 
-def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[list[float], list[float]]:
-    """Lower and upper limits as lists; ValueError unless they are vectors with lower < upper."""
-    lower, upper = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
+    """Lower and upper limits as arrays; ValueError unless they are vectors with lower < upper."""
+    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     if lower.ndim != 1 or lower.shape != upper.shape or not lower.size:
         raise ValueError(f"lower and upper must be (n,), got {lower.shape} and {upper.shape}")
     if not (lower < upper).all():
         raise ValueError(f"lower must be less than upper, got {lower.tolist()}, {upper.tolist()}")
-    return lower.tolist(), upper.tolist()
+    return lower, upper
 
 
-def check_position(position: ArrayLike, num_joints: int) -> np.ndarray:
-    """The joint position (n,); ValueError unless it has n finite numbers."""
-    position = np.asarray(position, dtype=float)
-    if position.shape != (num_joints,) or not np.isfinite(position).all():
+def check_position(position: ArrayLike, lower: Array, upper: Array) -> Array:
+    """The joint position (n,); ValueError, naming the joint, unless it is finite and inside limits."""
+    position = np.array(position, dtype=float)
+    if position.shape != lower.shape or not np.isfinite(position).all():
         raise ValueError(
-            f"joint position must be {num_joints} finite numbers, got {position.tolist()}"
+            f"joint position must be {len(lower)} finite numbers, got {position.tolist()}"
+        )
+    for j in np.flatnonzero((position < lower) | (position > upper)):
+        raise ValueError(
+            f"joint position {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}"
         )
     return position

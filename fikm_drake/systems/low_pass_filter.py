@@ -44,6 +44,6 @@ class LowPassFilter(LinearSystem):
     ) -> None:
         check_sizes(size=size)
         keep = check_smoothing(smoothing) * np.eye(size)
-        new = (1.0 - smoothing) * np.eye(size)
+        new = np.eye(size) - keep
         super().__init__(keep, new, keep, new, check_period(period))
         self.configure_default_state(np.full(size, float(initial_value)))

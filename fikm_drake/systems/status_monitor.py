@@ -1,10 +1,9 @@
 """The block that says in one number how the controller does."""
 
-from math import hypot
-
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.laws.controller_status import controller_status
+from fikm_drake.laws.steps import length
 from fikm_drake.systems.checks import check_positive, check_sizes
 
 
@@ -53,7 +52,7 @@ class StatusMonitor(LeafSystem):
         valid, limited, oscillating = (bool(port.Eval(context)[0]) for port in self._flags)
         output[0] = controller_status(
             valid=valid,
-            error=hypot(*self._error.Eval(context).tolist()),
+            error=length(self._error.Eval(context)),
             tolerance=self._tolerance,
             limited=limited,
             oscillating=oscillating,

@@ -1,10 +1,11 @@
 """The block that compares where the tool is with where it should be."""
 
+import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.kinematics.task import Task
-from fikm_drake.laws.steps import all_finite, difference
+from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -43,7 +44,7 @@ class TaskError(LeafSystem):
         super().__init__()
         self._kinematics = ToolKinematics(plant, frame, Task(task))
         m = self._kinematics.task.size
-        self._zeros = [0.0] * m
+        self._zeros = np.zeros(m)
         self._desired = self.DeclareVectorInputPort("desired_position", m)
         self._position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
         self.DeclareVectorOutputPort(
@@ -55,7 +56,6 @@ class TaskError(LeafSystem):
         declare_valid_port(self)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
-        q = self._position.Eval(context)
-        actual = self._kinematics.position(q)
-        error = difference(self._desired.Eval(context).tolist(), actual)
-        output.get_mutable_value()[:] = error if all_finite(error) else self._zeros
+        actual = self._kinematics.position(self._position.Eval(context))
+        error = self._desired.Eval(context) - actual
+        output.set_value(error if all_finite(error) else self._zeros)

@@ -62,14 +62,15 @@ class ToolKinematics:
 
     @property
     def default_position(self) -> Array:
-        """The plant's default positions (n,) [rad or m]."""
-        return np.array(self.plant.GetPositions(self.plant.CreateDefaultContext()))
+        """The plant's default positions, moved inside the limits (n,) [rad or m]."""
+        q = self.plant.GetPositions(self.plant.CreateDefaultContext())
+        return np.clip(q, self.lower, self.upper)
 
-    def position(self, q: Array) -> list[float]:
+    def position(self, q: Array) -> Array:
         """The task coordinates (m) [m] of E's origin at `q` (n,)."""
         context = self._scratch.context
         self.plant.SetPositions(context, q)
-        return self._frame.CalcPoseInWorld(context).translation()[self._coordinates].tolist()
+        return self._frame.CalcPoseInWorld(context).translation()[self._coordinates]
 
     def jacobian(self, q: Array) -> Array:
         """The task Jacobian (m,n) of E's origin at `q` (n,)."""
@@ -79,13 +80,13 @@ class ToolKinematics:
             self._rows
         ]
 
-    def position_and_jacobian(self, q: Array) -> tuple[list[float], Array]:
+    def position_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Both at once, cheaper than one after the other."""
         context = self._scratch.context
         self.plant.SetPositions(context, q)
         position = self._frame.CalcPoseInWorld(context).translation()
         J = self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)
-        return position[self._coordinates].tolist(), J[self._rows]
+        return position[self._coordinates], J[self._rows]
 
 
 class _Scratch(threading.local):

@@ -6,7 +6,7 @@ from fikm_drake.laws.steps import all_finite
 
 
 def declare_valid_port(system: LeafSystem) -> OutputPort:
-    """Declare an output `valid` (1): 1 while every connected input of `system` is finite, else 0.
+    """Declare an output `valid` (1): 1 while every input of `system` is finite, else 0.
 
     Call it after the inputs are declared.
     """
@@ -14,7 +14,7 @@ def declare_valid_port(system: LeafSystem) -> OutputPort:
 
     def calc(context: Context, output: BasicVector) -> None:
         output[0] = float(
-            all(all_finite(port.Eval(context)) for port in ports if port.HasValue(context))
+            all(all_finite(port.Eval(context)) for port in ports)
         )
 
     return system.DeclareVectorOutputPort(

@@ -2,9 +2,10 @@
 
 from math import inf
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.laws.steps import amplify
+from fikm_drake.laws.steps import all_finite, amplify, length
 from fikm_drake.systems.checks import check_positive, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -40,6 +41,7 @@ class VariableGain(LeafSystem):
         super().__init__()
         check_sizes(size=size)
         self._limit = check_positive("limit", limit)
+        self._zeros = np.zeros(size)
         self._gain = self.DeclareVectorInputPort("gain", 1)
         self._error = self.DeclareVectorInputPort("task_error", size)
         self.DeclareVectorOutputPort(
@@ -52,5 +54,6 @@ class VariableGain(LeafSystem):
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         gain = float(self._gain.Eval(context)[0])
-        error = self._error.Eval(context).tolist()
-        output.get_mutable_value()[:] = amplify(gain, error, self._limit)
+        error = self._error.Eval(context)
+        amplified = amplify(gain, error, length(error), self._limit)
+        output.set_value(amplified if all_finite(amplified) else self._zeros)
