@@ -25,7 +25,7 @@ class DhTransform:
         """Raise ValueError, naming `where` and the number, unless all four are finite."""
         for name in ("alpha", "a", "d", "theta"):
             value = getattr(self, name)
-            if not isinstance(value, (int, float)) or not isfinite(value):
+            if not _is_number(value) or not isfinite(value):
                 raise ValueError(f"{where}: {name} must be a finite number, got {value!r}")
 
 
@@ -63,6 +63,10 @@ class DhJoint(DhTransform):
         super().validate(where)
         if self.type not in JOINT_TYPES:
             raise ValueError(f"{where}: type must be one of {JOINT_TYPES}, got {self.type!r}")
+        for name in ("lower", "upper", "velocity"):
+            value = getattr(self, name)
+            if value is not None and not _is_number(value):
+                raise ValueError(f"{where}: {name} must be a number or None, got {value!r}")
         lower, upper = self.limits
         if not lower < upper:
             raise ValueError(f"{where}: lower must be less than upper, got {lower} and {upper}")
@@ -104,6 +108,10 @@ class DhTable:
         for i, joint in enumerate(self.joints, start=1):
             joint.validate(f"arm {self.name!r}, joint {i}")
         self.tool.validate(f"arm {self.name!r}, tool")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float))
 
 
 def _is_identifier(name: str) -> bool:

@@ -79,9 +79,17 @@ def _plot_gain(axes: Axes, log: TrackingLog) -> None:
 def _plot_joints(axes: Axes, log: TrackingLog) -> None:
     revolute = [joint.is_revolute for joint in log.scenario.load_arm().table.joints]
     for i, q in enumerate(log.q.T):
-        axes.plot(log.time, q, label=f"{i + 1}", linewidth=1.2)
-    axes.set_ylabel("joints [rad]" if all(revolute) else "joints [rad, m]")
-    axes.legend(ncols=7, fontsize=8, loc="best", title="joint", title_fontsize=8)
+        axes.plot(log.time, q, label=f"$q_{{{i + 1}}}$", linewidth=1.2)
+    axes.set_ylabel("joints q [rad]" if all(revolute) else "joints q [rad, m]")
+    axes.legend(
+        ncols=8,
+        fontsize=8,
+        handlelength=1.2,
+        columnspacing=1.0,
+        loc="upper left",
+        bbox_to_anchor=(0, -0.28),
+        frameon=False,
+    )
 
 
 def _plot_path(axes: Axes, log: TrackingLog) -> None:
@@ -94,6 +102,8 @@ def _plot_path(axes: Axes, log: TrackingLog) -> None:
     axes.set_ylabel("y [m]")
     if isinstance(axes, Axes3D):
         axes.set_zlabel("z [m]")
+        axes.locator_params(nbins=5)
+        axes.set_box_aspect(None, zoom=0.85)  # else the label of z is cut off
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(fontsize=9)
     axes.grid(alpha=0.3)

@@ -62,4 +62,4 @@ def _look_at(meshcat: Meshcat, points: np.ndarray) -> None:
     """Put the camera where it sees all the points."""
     low, high = points.min(axis=0), points.max(axis=0)
     centre, size = (low + high) / 2, max(float(np.linalg.norm(high - low)), 0.5)
-    meshcat.SetCameraPose(centre + size * np.array([0.9, -1.0, 0.8]), centre)
+    meshcat.SetCameraPose(centre + size * np.array([0.6, -0.7, 0.5]), centre)
