@@ -4,6 +4,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.controller_status import ControllerStatus
@@ -61,16 +62,43 @@ def _parser() -> argparse.ArgumentParser:
     models = commands.add_parser("models", help="list the arms and the scenarios")
     models.set_defaults(run=_models)
 
+    reproduce = commands.add_parser(
+        "reproduce", help="a paper's tables and figures beside ours; exit code 1 if a claim fails"
+    )
+    reproduce.add_argument("paper", help="name of a paper, or all")
+    reproduce.add_argument("--table", action="append", default=[], metavar="N", help="only table N")
+    reproduce.add_argument(
+        "--figure", action="append", default=[], metavar="N", help="only figure N"
+    )
+    reproduce.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this part, such as ablation",
+    )
+    reproduce.add_argument("--pictures", metavar="FOLDER", help="write the pictures there")
+    reproduce.set_defaults(run=_reproduce)
+
     benchmark = commands.add_parser("benchmark", help="measure costs")
     what = benchmark.add_subparsers(required=True, metavar="WHAT")
     step = what.add_parser("step", help="CPU time of a control step beside Drake's")
-    step.add_argument("--rounds", type=int, default=20, help="times to follow the path (20)")
+    step.add_argument("--rounds", type=_count, default=20, help="times to follow the path (20)")
     step.set_defaults(run=_benchmark_step)
     return parser
 
 
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"must be at least 1, got {number}")
+    return number
+
+
 def _run(options: argparse.Namespace) -> int:
     scenario = load_scenario(options.scenario)
+    if not _folders_exist(options):
+        return FAILED
     code = OK
     try:
         log = simulate(scenario, progress=_progress())
@@ -78,20 +106,32 @@ def _run(options: argparse.Namespace) -> int:
         print(f"fikm-drake: {stopped}", file=sys.stderr)
         log = stopped.log
         code = INTERRUPTED if isinstance(stopped.__cause__, KeyboardInterrupt) else FAILED
-    _write(log, options)
+    if not _write(log, options):
+        code = code or FAILED
     last = ControllerStatus(int(log.status[-1])).name.lower().replace("_", " ")
     print(f"{options.scenario}: {log.metrics()}, {last} at the end")
     return code
 
 
-def _write(log: TrackingLog, options: argparse.Namespace) -> None:
-    """Write the files that were asked for, the log first: a picture that fails must not lose it."""
+def _folders_exist(options: argparse.Namespace) -> bool:
+    """Complain of a mistyped folder before the run, not after it."""
+    for name in ("log", "csv", "plot", "html"):
+        path = getattr(options, name)
+        if path is not None and not Path(path).parent.is_dir():
+            print(f"fikm-drake: cannot write {path}: there is no such folder", file=sys.stderr)
+            return False
+    return True
+
+
+def _write(log: TrackingLog, options: argparse.Namespace) -> bool:
+    """Write the files that were asked for, each even if another fails; True if all could be."""
 
     def write_page(path: str) -> None:
         from fikm_drake.simulation.write_html import write_html  # Meshcat is slow to import
 
         write_html(log, path)
 
+    good = True
     writers: dict[str, Callable] = {
         "log": log.save,
         "csv": log.to_csv,
@@ -100,9 +140,15 @@ def _write(log: TrackingLog, options: argparse.Namespace) -> None:
     }
     for name, write in writers.items():
         path = getattr(options, name)
-        if path is not None:
+        if path is None:
+            continue
+        try:
             write(path)
             print(f"wrote {path}", file=sys.stderr)
+        except (OSError, ValueError, RuntimeError) as error:
+            print(f"fikm-drake: cannot write {path}: {error}", file=sys.stderr)
+            good = False
+    return good
 
 
 def _urdf(options: argparse.Namespace) -> int:
@@ -123,11 +169,34 @@ def _models(options: argparse.Namespace) -> int:
     return OK
 
 
+def _reproduce(options: argparse.Namespace) -> int:
+    from fikm_drake.experiments.papers import select
+
+    keys = [*options.only, *(f"table {n}" for n in options.table)]
+    keys += [f"figure {n}" for n in options.figure]
+    experiments = select(options.paper, keys)
+    if options.pictures is not None:
+        Path(options.pictures).mkdir(parents=True, exist_ok=True)
+    missed = []
+    for name, experiment in experiments.items():
+        section = experiment()
+        print(f"{section}\n", flush=True)
+        missed += [] if section.reached else [name]
+        if options.pictures is not None:
+            for stem, figure in section.pictures.items():
+                figure.savefig(Path(options.pictures) / f"{stem}.png", dpi=110)
+    if missed:
+        print(f"fikm-drake: not reached: {', '.join(missed)}", file=sys.stderr)
+    return FAILED if missed else OK
+
+
 def _benchmark_step(options: argparse.Namespace) -> int:
     from fikm_drake.experiments.step_benchmark import step_benchmark
 
     costs = step_benchmark(rounds=options.rounds, progress=_progress())
-    print("one control step of arm7 in a Simulator, CPU time (median), over Drake's usual and least")
+    print(
+        "one control step of arm7 in a Simulator, CPU time (median), over Drake's usual and least"
+    )
     for cost in costs:
         print(
             f"  {cost.name:44s} {cost.microseconds:6.1f} µs"

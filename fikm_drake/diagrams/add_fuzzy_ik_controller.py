@@ -4,11 +4,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
-from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.systems.tool_kinematics import ToolKinematics
 
 
 def MakeFuzzyIkController(
@@ -25,7 +25,6 @@ def MakeFuzzyIkController(
     """
     config = config or FuzzyIkConfig()
     config.validate()
-    law = _make_law(plant, config)
     controller = FusedFuzzyIk if config.fused else FuzzyIkController
     return controller(plant, law=_make_law(plant, config), config=config)
 
@@ -47,5 +46,5 @@ def AddFuzzyIkController(
 def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
     if config.method == "indirect":
         return FuzzyMapping(zero_threshold=config.zero_threshold)
-    bound = plant_jacobian_range(plant, config.frame)[Task(config.task).rows]
+    bound = ToolKinematics(plant, config.frame, Task(config.task)).jacobian_range()
     return FuzzyMapping("direct", zero_threshold=config.zero_threshold, jacobian_range=bound)

@@ -2,7 +2,7 @@
 
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
@@ -58,15 +58,13 @@ class FuzzyIkController(Diagram):
         ValueError: naming the bad value and the valid ones.
     """
 
-    def __init__(
-        self, plant: MultibodyPlant, *, law: FuzzyMapping, config: FuzzyIkConfig
-    ) -> None:
+    def __init__(self, plant: MultibodyPlant, *, law: FuzzyMapping, config: FuzzyIkConfig) -> None:
         super().__init__()
         config.validate()
         kinematics = ToolKinematics(plant, config.frame, Task(config.task))
         n, m = kinematics.num_joints, kinematics.task.size
         period = config.period
-        limit = config.longest_error
+        limit = config.error_limit
 
         builder = DiagramBuilder()
         add = builder.AddNamedSystem
@@ -104,7 +102,7 @@ class FuzzyIkController(Diagram):
         status = add("status_monitor", StatusMonitor(m, tolerance=config.tolerance))
         self._integrator = integrator
 
-        def wire(source, output: str, target, port: str) -> None:
+        def wire(source: System, output: str, target: System, port: str) -> None:
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(port))
 
         wire(error, "task_error", supervisor, "task_error")
@@ -145,6 +143,7 @@ class FuzzyIkController(Diagram):
 
         Raises:
             ValueError: naming the bad value.
+            RuntimeError: the context is another system's.
         """
         own = self.GetMutableSubsystemContext(self._integrator, context)
         self._integrator.SetPositions(own, position)

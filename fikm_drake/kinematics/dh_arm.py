@@ -79,7 +79,7 @@ class DhArm:
         return np.clip(np.zeros(self.num_joints), self.lower, self.upper)
 
     def joint_origin(self, i: int) -> Array:
-        """Pose (4,4) in link i's frame of the frame about or along whose z joint i (from 0) moves."""
+        """Pose (4,4) in link i's frame of the frame whose z is the axis of joint i (from 0)."""
         row = self._table.joints[i]
         return self._origins[i] @ _z_part(row)
 

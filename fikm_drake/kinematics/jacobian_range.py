@@ -33,7 +33,7 @@ class _Extent:
         return _Extent(min(across, self.length), min(along, self.length), self.length)
 
     def through_row(self, origin: Array, d: float) -> "_Extent":
-        """Bounds one frame down, after |d| along z and then the twist and the length in `origin`."""
+        """Bounds one frame down: first |d| along z, then the twist and length of `origin`."""
         a = abs(origin[0, 3])
         raised = _Extent(self.across, self.along + d, self.length + d)
         turned = raised.rotated_x(*_twist(origin))

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Joint
+from pydrake.multibody.tree import Frame, Joint
 
 Array = NDArray[np.float64]
 
 
-def plant_jacobian_range(plant: MultibodyPlant, frame: str = "tool") -> Array:
+def plant_jacobian_range(plant: MultibodyPlant, frame: str | Frame = "tool") -> Array:
     """Bounds of |J_ij| of a frame's origin over all joint positions, in the world frame.
 
     A joint turns the tool about its axis at most as fast as the lengths from joint to joint add up
@@ -17,7 +17,7 @@ def plant_jacobian_range(plant: MultibodyPlant, frame: str = "tool") -> Array:
     Args:
         plant: a finalized plant; joints on the way from the frame to the world have at most one
             degree of freedom.
-        frame: name of the frame.
+        frame: the frame, or its name.
 
     Returns:
         (6,n), rows [ω; v]; zero in the columns of joints that do not move the frame, infinite
@@ -27,7 +27,7 @@ def plant_jacobian_range(plant: MultibodyPlant, frame: str = "tool") -> Array:
         ValueError: a joint on the way has more than one degree of freedom.
     """
     inboard = {int(joint.child_body().index()): joint for joint in _joints(plant)}
-    tool = plant.GetFrameByName(frame)
+    tool = plant.GetFrameByName(frame) if isinstance(frame, str) else frame
     body, point = tool.body(), tool.GetFixedPoseInBodyFrame().translation()
     bound = np.zeros((6, plant.num_velocities()))
     reach = 0.0  # largest distance from `point`, fixed in `body`, to the tool

@@ -71,9 +71,7 @@ class FuzzyMapping:
         # Ranges that differ by rounding only are one; a range of zero needs no rules.
         self._rounded = np.round(self._range, 9)
         self._rules = {
-            j_max: generate_rule_base(
-                j_max, method=generation, max_error=max_error, dr_max=dr_max
-            )
+            j_max: generate_rule_base(j_max, method=generation, max_error=max_error, dr_max=dr_max)
             for j_max in np.unique(self._rounded[self._rounded > 0]).tolist()
         }
 

@@ -39,8 +39,8 @@ class GainSupervisorConfig:
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
-        if self.window < 2:
-            raise ValueError(f"window must be at least 2 cycles, got {self.window!r}")
+        if not isinstance(self.window, int) or self.window < 2:
+            raise ValueError(f"window must be an integer of at least 2 cycles, got {self.window!r}")
         if not 1 <= self.sign_changes < self.window:
             raise ValueError(
                 f"sign_changes must be from 1 to window − 1 = {self.window - 1}, "
@@ -48,13 +48,24 @@ class GainSupervisorConfig:
             )
         for name in ("error_breakpoints", "gains", "oscillating_gains"):
             if len(getattr(self, name)) != 3:
-                raise ValueError(f"{name} needs three numbers (S, M, B), got {getattr(self, name)!r}")
+                raise ValueError(
+                    f"{name} needs three numbers (S, M, B), got {getattr(self, name)!r}"
+                )
+        small, medium, big = self.error_breakpoints
+        if not (isfinite(small) and small < medium < big and isfinite(big)):
+            raise ValueError(
+                f"error_breakpoints must be finite and increase, got {self.error_breakpoints!r}"
+            )
         for name in ("gains", "oscillating_gains"):
             if not all(isfinite(g) and g >= 0 for g in getattr(self, name)):
-                raise ValueError(f"{name} must be finite and not negative, got {getattr(self, name)!r}")
+                raise ValueError(
+                    f"{name} must be finite and not negative, got {getattr(self, name)!r}"
+                )
         for name in ("dead_band", "initial_gain"):
             if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise ValueError(f"{name} must be finite and not negative, got {getattr(self, name)!r}")
+                raise ValueError(
+                    f"{name} must be finite and not negative, got {getattr(self, name)!r}"
+                )
 
 
 def gain_rules(config: GainSupervisorConfig) -> RuleBase:
@@ -82,7 +93,7 @@ class GainSupervision:
 
     Until `window` errors are known there is no average to compare with and an error counts as
     medium. An error of exactly zero tells nothing and is not remembered. One that is not finite
-    counts as big and is not remembered either.
+    counts as big and is not remembered either; a joint step that is not finite has no sign.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -112,8 +123,8 @@ class GainSupervision:
             relative = self._medium
         else:
             errors = memory[self._errors].tolist()
-            oldest = errors[int(known) % self._window]
-            relative = error * self._window / (sum(errors) - oldest + error)
+            errors[int(known) % self._window] = error  # in place of the oldest
+            relative = error * self._window / sum(errors)
         return self.rules.evaluate(relative, changes)
 
     def oscillating(self, memory: Array) -> bool:
@@ -129,9 +140,9 @@ class GainSupervision:
         positive = negative = 0
         bit, dead_band = 1, self._dead_band
         for step in joint_step.tolist():
-            if step > dead_band:
+            if dead_band < step < inf:
                 positive |= bit
-            elif step < -dead_band:
+            elif -inf < step < -dead_band:
                 negative |= bit
             bit <<= 1
         flips = positive & was_negative | negative & was_positive
@@ -139,7 +150,10 @@ class GainSupervision:
         if flips or memory[slot]:  # else the count stays
             memory[slot] = flips
             changes = _most_changes(memory[self._flips].tolist())
-        positive, negative = positive | was_positive & ~negative, negative | was_negative & ~positive
+        positive, negative = (
+            positive | was_positive & ~negative,
+            negative | was_negative & ~positive,
+        )
         memory[:HEAD] = changes, known, cycles + 1, positive, negative
 
 

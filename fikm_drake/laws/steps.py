@@ -21,7 +21,7 @@ def all_finite(vector: Array) -> bool:
 
 
 def amplify(gain: float, error: Array, size: float, limit: float) -> Array:
-    """gain · error, the error, of length `size`, first shortened to the length `limit`."""
+    """The error times the gain, the error, of length `size`, first shortened to the length `limit`."""
     return (gain * limit / size if size > limit else gain) * error
 
 
@@ -31,7 +31,7 @@ def low_pass(value: Signal, previous: Signal, smoothing: float) -> Signal:
 
 
 def integrate(position: Array, joint_step: Array, lower: Array, upper: Array) -> Array:
-    """position + joint_step, held inside the limits; all (n,)."""
+    """The position plus the joint step, held inside the limits; all (n,)."""
     return np.minimum(np.maximum(position + joint_step, lower), upper)
 
 

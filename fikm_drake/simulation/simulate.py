@@ -22,7 +22,7 @@ class SimulationStopped(RuntimeError):
 
     def __init__(self, log: TrackingLog, reason: BaseException) -> None:
         cycles = f"{len(log.time)} of {log.scenario.num_cycles} cycles"
-        super().__init__(f"the run stopped after {cycles}: {reason or type(reason).__name__}")
+        super().__init__(f"the run stopped after {cycles}: {str(reason) or type(reason).__name__}")
         self.log = log
 
 

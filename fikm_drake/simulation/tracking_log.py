@@ -12,6 +12,8 @@ from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics, tracking_metrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
+KINDS = {"oscillating": np.bool_, "status": np.int64}
+"""Types of the series that are not float64."""
 FORMAT = "fikm_drake.TrackingLog/1"
 
 Array = NDArray[np.float64]
@@ -24,7 +26,7 @@ class TrackingLog:
     `q`, `actual` and `error` are after the cycle's update; the rest is what the cycle computed.
 
     Raises:
-        ValueError: the shapes do not fit together.
+        ValueError: the series do not fit together or do not fit the scenario.
     """
 
     scenario: TrackingScenario
@@ -49,14 +51,17 @@ class TrackingLog:
     """`ControllerStatus` (N,)."""
 
     def __post_init__(self) -> None:
-        N, m = self.desired.shape if self.desired.ndim == 2 else (-1, -1)
-        n = self.q.shape[-1] if self.q.ndim == 2 else -1
+        N = len(self.time) if self.time.ndim == 1 else -1
+        m, n = len(self.scenario.waypoints[0]), self.scenario.load_arm().num_joints
         shapes = {"desired": (N, m), "actual": (N, m), "error": (N, m)}
         shapes |= {"q": (N, n), "joint_step": (N, n)}
         for name in series_names():
-            shape = getattr(self, name).shape
-            if shape != shapes.get(name, (N,)) or N < 1:
-                raise ValueError(f"log: {name} has shape {shape} in a log of {N} cycles")
+            series, shape = getattr(self, name), shapes.get(name, (N,))
+            if series.shape != shape or N < 1:
+                raise ValueError(f"log: {name} has shape {series.shape}, expected {shape}, N > 0")
+            kind = KINDS.get(name, np.float64)
+            if series.dtype != kind:
+                raise ValueError(f"log: {name} must be {kind.__name__}, got {series.dtype}")
 
     def metrics(self) -> TrackingMetrics:
         """Errors of the run [m]."""
@@ -82,14 +87,15 @@ class TrackingLog:
             FileNotFoundError: there is no such file.
             ValueError: the file is damaged or is not such a log.
         """
+        if not Path(path).exists():
+            raise FileNotFoundError(f"no log {path}")
         try:
             with np.load(path, allow_pickle=False) as file:
                 if str(file["format"]) != FORMAT:
                     raise ValueError(f"its format is {str(file['format'])!r}, not {FORMAT!r}")
                 scenario = yaml_load_typed(schema=TrackingScenario, data=str(file["scenario"]))
+                scenario.validate()
                 return cls(scenario=scenario, **{name: file[name] for name in series_names()})
-        except FileNotFoundError:
-            raise
         except (OSError, ValueError, KeyError, EOFError, RuntimeError, zipfile.BadZipFile) as error:
             raise ValueError(f"{path} is not a tracking log of fikm_drake: {error}") from error
         except Exception as error:  # a damaged archive can raise from zlib, numpy or PyYAML

@@ -7,7 +7,7 @@ from math import isfinite
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -52,9 +52,9 @@ class TrackingScenario:
     def __post_init__(self) -> None:
         if isinstance(self.arm, DhArm):
             self.arm = self.arm.table
-        self.waypoints = np.asarray(self.waypoints, dtype=float).tolist()
+        self.waypoints = _numbers("waypoints", self.waypoints)
         if self.initial_position is not None:
-            self.initial_position = np.asarray(self.initial_position, dtype=float).tolist()
+            self.initial_position = _numbers("initial_position", self.initial_position)
         if self.arm or self.waypoints:  # else a blank that the YAML loader fills in
             self.validate()
 
@@ -114,6 +114,14 @@ class TrackingScenario:
         else:
             length = PiecewisePolynomial.FirstOrderHold(times, ends)
         return PathParameterizedTrajectory(path, length)
+
+
+def _numbers(name: str, values: ArrayLike) -> list:
+    """The values as lists of floats."""
+    try:
+        return np.asarray(values, dtype=float).tolist()
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name} must be numbers in rows of one length, got {values!r}") from error
 
 
 def load_scenario(name_or_path: str | Path) -> TrackingScenario:

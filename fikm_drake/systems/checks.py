@@ -1,12 +1,13 @@
 """Checks that the constructors of the blocks share."""
 
 from math import isfinite
+from numbers import Integral
 
 
 def check_sizes(**sizes: int) -> None:
     """Raise ValueError, naming the size, unless all are positive integers."""
     for name, size in sizes.items():
-        if not isinstance(size, int) or size < 1:
+        if not isinstance(size, Integral) or size < 1:
             raise ValueError(f"{name} must be a positive integer, got {size!r}")
 
 

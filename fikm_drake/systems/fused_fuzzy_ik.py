@@ -24,7 +24,6 @@ from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 
-
 Array = NDArray[np.float64]
 
 
@@ -83,7 +82,7 @@ class FusedFuzzyIk(LeafSystem):
         self._law = law
         self._supervision = GainSupervision(config.supervisor)
         self._config = dataclasses.replace(config)
-        self._error_limit = config.longest_error
+        self._error_limit = config.error_limit
         self._lower = self._kinematics.lower
         self._upper = self._kinematics.upper
         n, m = self._kinematics.num_joints, self._kinematics.task.size
@@ -91,7 +90,9 @@ class FusedFuzzyIk(LeafSystem):
 
         self._desired = self.DeclareVectorInputPort("desired_position", m)
         self._estimated = (
-            self.DeclareVectorInputPort("estimated_position", n) if config.measured_position else None
+            self.DeclareVectorInputPort("estimated_position", n)
+            if config.measured_position
+            else None
         )
         position = self.DeclareDiscreteState(self._kinematics.default_position)
         velocity = self.DeclareDiscreteState(n)
@@ -102,7 +103,9 @@ class FusedFuzzyIk(LeafSystem):
         self._declare_output("joint_step", n, lambda cycle, *_: cycle.joint_step)
         self._declare_output("task_error", m, lambda cycle, *_: cycle.error)
         self._declare_output("gain", 1, lambda cycle, *_: cycle.gain)
-        self._declare_output("oscillating", 1, self._oscillating)
+        self.DeclareVectorOutputPort(
+            "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
+        )
         self._declare_output("status", 1, self._status)
         self.DeclarePeriodicDiscreteUpdateEvent(config.period, 0.0, self._update)
 
@@ -111,7 +114,9 @@ class FusedFuzzyIk(LeafSystem):
 
         Raises:
             ValueError: naming the bad value.
+            RuntimeError: the context is another system's.
         """
+        self.ValidateContext(context)
         context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
         context.SetDiscreteState(1, np.zeros(len(self._lower)))
 
@@ -150,8 +155,9 @@ class FusedFuzzyIk(LeafSystem):
             step = self._hold
         return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
-    def _oscillating(self, cycle: _Cycle, command: Array, memory: Array) -> float:
-        return float(self._supervision.oscillating(memory))
+    def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
+        memory = context.get_discrete_state(3).value()
+        output[0] = self._supervision.oscillating(memory)
 
     def _status(self, cycle: _Cycle, command: Array, memory: Array) -> float:
         return controller_status(

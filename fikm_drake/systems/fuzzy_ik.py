@@ -7,6 +7,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.steps import all_finite
+from fikm_drake.systems.checks import check_sizes
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -41,7 +42,7 @@ class FuzzyIk(LeafSystem):
         guard_size: size of `guard`; 0: there is no such port.
 
     Raises:
-        ValueError: see `ToolKinematics` and `Task`.
+        ValueError: `guard_size` is negative, or see `ToolKinematics` and `Task`.
     """
 
     def __init__(
@@ -54,6 +55,8 @@ class FuzzyIk(LeafSystem):
         guard_size: int = 0,
     ) -> None:
         super().__init__()
+        if guard_size:
+            check_sizes(guard_size=guard_size)
         self._kinematics = ToolKinematics(plant, frame, Task(task))
         self._law = law or FuzzyMapping()
         n = self._kinematics.num_joints

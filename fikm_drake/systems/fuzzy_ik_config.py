@@ -2,8 +2,7 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import inf, isfinite
-from typing import Optional
+from math import isfinite
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
@@ -17,7 +16,7 @@ class FuzzyIkConfig:
     method: str = "indirect"
     """Form of the mapping: `indirect` (equations 32-34) or `direct` (rule bases, equation 29)."""
     frame: str = "tool"
-    """Name of the tool's frame in the plant."""
+    """Name of the tool's frame in the plant; `instance::name` where several arms have one."""
     task: str = "position"
     """The coordinates that count: `position`, or axes such as `xy`."""
     control_rate: float = 50.0
@@ -26,9 +25,9 @@ class FuzzyIkConfig:
     """One LeafSystem in place of the Diagram: the same results and ports at less cost."""
     measured_position: bool = False
     """Take the joints from the port `estimated_position` in place of the command itself."""
-    error_limit: Optional[float] = 0.2
+    error_limit: float = 0.2
     """A longer task error counts as this long [m], which bounds the first step to a far target;
-    None: no limit, as in the paper."""
+    infinite (`.inf` in YAML): no limit, as in the paper."""
     tolerance: float = 1e-3
     """A task error up to this counts as converged [m]."""
     gain_smoothing: float = 2.0 / 3.0
@@ -45,11 +44,6 @@ class FuzzyIkConfig:
         """Of the control cycle [s]."""
         return 1.0 / self.control_rate
 
-    @property
-    def longest_error(self) -> float:
-        """`error_limit` as a number: infinite for None [m]."""
-        return inf if self.error_limit is None else self.error_limit
-
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
         if self.method not in METHODS:
@@ -57,10 +51,9 @@ class FuzzyIkConfig:
         Task(self.task)
         if not (isfinite(self.control_rate) and self.control_rate > 0):
             raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
-        if self.error_limit is not None and not self.error_limit > 0:
-            raise ValueError(f"error_limit must be positive [m] or None, got {self.error_limit!r}")
-        if not self.tolerance > 0:
-            raise ValueError(f"tolerance must be positive [m], got {self.tolerance!r}")
+        for name in ("error_limit", "tolerance"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive [m], got {getattr(self, name)!r}")
         for name in ("gain_smoothing", "error_smoothing"):
             if not 0 <= getattr(self, name) < 1:
                 raise ValueError(f"{name} must be in [0, 1), got {getattr(self, name)!r}")

@@ -6,7 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from fikm_drake.laws.gain_supervision import MAX_JOINTS, GainSupervision, GainSupervisorConfig
 from fikm_drake.laws.steps import length
-from fikm_drake.systems.checks import check_period, check_sizes
+from fikm_drake.systems.checks import check_period, check_positive, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -57,7 +57,7 @@ class GainSupervisor(LeafSystem):
         if num_joints > MAX_JOINTS:
             raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
         self._supervision = GainSupervision(config)
-        self._error_limit = error_limit
+        self._error_limit = check_positive("error_limit", error_limit)
         self._error = self.DeclareVectorInputPort("task_error", num_rows)
         self._step = self.DeclareVectorInputPort("joint_step", num_joints)
         self.DeclareDiscreteState(self._supervision.initial_memory())
@@ -74,7 +74,8 @@ class GainSupervisor(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 
     def _length(self, context: Context) -> float:
-        return min(length(self._error.Eval(context)), self._error_limit)
+        size = length(self._error.Eval(context))
+        return self._error_limit if self._error_limit < size < inf else size
 
     def _calc_gain(self, context: Context, output: BasicVector) -> None:
         memory = context.get_discrete_state_vector().value()

@@ -73,7 +73,9 @@ class JointIntegrator(LeafSystem):
 
         Raises:
             ValueError: naming the bad value.
+            RuntimeError: the context is another system's.
         """
+        self.ValidateContext(context)
         context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
         context.SetDiscreteState(1, np.zeros(len(self._lower)))
 

@@ -1,5 +1,7 @@
 """A discrete low-pass filter without a line of Python at run time."""
 
+from math import isfinite
+
 import numpy as np
 from pydrake.systems.primitives import LinearSystem
 
@@ -43,6 +45,8 @@ class LowPassFilter(LinearSystem):
         initial_value: float = 0.0,
     ) -> None:
         check_sizes(size=size)
+        if not isfinite(initial_value):
+            raise ValueError(f"initial_value must be finite, got {initial_value!r}")
         keep = check_smoothing(smoothing) * np.eye(size)
         new = np.eye(size) - keep
         super().__init__(keep, new, keep, new, check_period(period))

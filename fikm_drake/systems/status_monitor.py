@@ -1,5 +1,7 @@
 """The block that says in one number how the controller does."""
 
+from math import isfinite
+
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.laws.controller_status import controller_status
@@ -23,7 +25,8 @@ class StatusMonitor(LeafSystem):
 
     - **task_error** (m) [m].
     - **valid**, **limited**, **oscillating** (1 each): 0 or 1, from the blocks' ports of these names.
-    - **status** (1): a `ControllerStatus`; computed only when somebody asks.
+    - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
+      finite counts as not valid.
 
     Args:
         size: m.
@@ -49,11 +52,12 @@ class StatusMonitor(LeafSystem):
         )
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        valid, limited, oscillating = (bool(port.Eval(context)[0]) for port in self._flags)
+        valid, limited, oscillating = (float(port.Eval(context)[0]) for port in self._flags)
+        error = length(self._error.Eval(context))
         output[0] = controller_status(
-            valid=valid,
-            error=length(self._error.Eval(context)),
+            valid=bool(valid) and isfinite(valid + limited + oscillating + error),
+            error=error,
             tolerance=self._tolerance,
-            limited=limited,
-            oscillating=oscillating,
+            limited=bool(limited),
+            oscillating=bool(oscillating),
         )

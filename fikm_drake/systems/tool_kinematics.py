@@ -4,10 +4,13 @@ import threading
 
 import numpy as np
 from numpy.typing import NDArray
+from pydrake.multibody.parsing import GetScopedFrameByName
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
 
+from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.steps import all_finite
 
 Array = NDArray[np.float64]
 VELOCITY = JacobianWrtVariable.kV
@@ -18,16 +21,17 @@ class ToolKinematics:
     """Task coordinates and task Jacobian of the origin of a frame E, in the world frame.
 
     Every function depends on `q` only, from any thread: the plant's Context, which Drake needs as
-    scratch, is one for each thread, and its positions are set before each use.
+    scratch, is one for each thread, and its positions are set before each use. Where `q` is not
+    finite the answer is NaN: a plant ends the process if it is given such positions.
 
     Args:
         plant: a finalized plant whose velocities are the rates of its positions.
-        frame: name of E.
+        frame: name of E; `instance::name` where several model instances have such a frame.
         task: the coordinates that count.
 
     Raises:
         ValueError: the plant is not finalized, has positions with q̇ ≠ v or no joint, or has no or
-            more than one frame of this name.
+            more than one frame of this name; the message lists the frames.
     """
 
     def __init__(self, plant: MultibodyPlant, frame: str, task: Task) -> None:
@@ -49,6 +53,8 @@ class ToolKinematics:
         step = max(last - first, 1) if task.size == 2 else 1
         self._coordinates = slice(first, last + 1, step)
         self._rows = slice(3 + first, 3 + last + 1, step)
+        self._no_position = np.full(task.size, np.nan)
+        self._no_jacobian = np.full((task.size, self.num_joints), np.nan)
 
     @property
     def lower(self) -> Array:
@@ -66,14 +72,22 @@ class ToolKinematics:
         q = self.plant.GetPositions(self.plant.CreateDefaultContext())
         return np.clip(q, self.lower, self.upper)
 
+    def jacobian_range(self) -> Array:
+        """Bounds of |J_ij| (m,n) over all joint positions, see `plant_jacobian_range`."""
+        return plant_jacobian_range(self.plant, self._frame)[self._rows]
+
     def position(self, q: Array) -> Array:
         """The task coordinates (m) [m] of E's origin at `q` (n,)."""
+        if not all_finite(q):
+            return self._no_position
         context = self._scratch.context
         self.plant.SetPositions(context, q)
         return self._frame.CalcPoseInWorld(context).translation()[self._coordinates]
 
     def jacobian(self, q: Array) -> Array:
         """The task Jacobian (m,n) of E's origin at `q` (n,)."""
+        if not all_finite(q):
+            return self._no_jacobian
         context = self._scratch.context
         self.plant.SetPositions(context, q)
         return self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)[
@@ -82,6 +96,8 @@ class ToolKinematics:
 
     def position_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """Both at once, cheaper than one after the other."""
+        if not all_finite(q):
+            return self._no_position, self._no_jacobian
         context = self._scratch.context
         self.plant.SetPositions(context, q)
         position = self._frame.CalcPoseInWorld(context).translation()
@@ -96,12 +112,12 @@ class _Scratch(threading.local):
         self.context = plant.CreateDefaultContext()
 
 
-def _frame_by_name(plant: MultibodyPlant, name: str):
+def _frame_by_name(plant: MultibodyPlant, name: str) -> Frame:
     try:
-        return plant.GetFrameByName(name)
+        return GetScopedFrameByName(plant, name)
     except RuntimeError:
-        names = [plant.get_frame(i).name() for i in plant.GetFrameIndices()]
+        frames = (plant.get_frame(FrameIndex(i)) for i in range(plant.num_frames()))
         raise ValueError(
             f"frame must name exactly one frame of the plant, got {name!r}; there are: "
-            + ", ".join(names)
+            + ", ".join(frame.scoped_name().get_full() for frame in frames)
         ) from None

@@ -13,9 +13,7 @@ def declare_valid_port(system: LeafSystem) -> OutputPort:
     ports = [system.get_input_port(i) for i in range(system.num_input_ports())]
 
     def calc(context: Context, output: BasicVector) -> None:
-        output[0] = float(
-            all(all_finite(port.Eval(context)) for port in ports)
-        )
+        output[0] = float(all(all_finite(port.Eval(context)) for port in ports))
 
     return system.DeclareVectorOutputPort(
         "valid", 1, calc, prerequisites_of_calc={port.ticket() for port in ports}

@@ -1,11 +1,11 @@
 """The block that multiplies an error by a gain that varies."""
 
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.laws.steps import all_finite, amplify, length
+from fikm_drake.laws.steps import amplify, length
 from fikm_drake.systems.checks import check_positive, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -55,5 +55,6 @@ class VariableGain(LeafSystem):
     def _calc(self, context: Context, output: BasicVector) -> None:
         gain = float(self._gain.Eval(context)[0])
         error = self._error.Eval(context)
-        amplified = amplify(gain, error, length(error), self._limit)
-        output.set_value(amplified if all_finite(amplified) else self._zeros)
+        size = length(error)
+        valid = isfinite(gain) and isfinite(size)
+        output.set_value(amplify(gain, error, size, self._limit) if valid else self._zeros)

@@ -1,0 +1,81 @@
+"""Plots and pages of a run."""
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+from pydrake.geometry import Meshcat
+
+from fikm_drake import ControllerStatus, plot_log, write_html
+
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+def test_plot_is_a_png_and_a_figure(any_log, tmp_path):
+    figure = plot_log(any_log, tmp_path / "run.png")
+    data = (tmp_path / "run.png").read_bytes()
+    assert data.startswith(PNG) and len(data) > 20_000
+    in_space = any_log.desired.shape[1] == 3
+    assert [hasattr(axes, "get_zlim") for axes in figure.axes] == [False, False, False, in_space]
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    for label, (word, unit) in zip(
+        labels, [("error", "[cm]"), ("gain", "[-]"), ("joints", "[rad]"), ("y", "[m]")]
+    ):
+        assert word in label and unit in label
+
+
+def test_plot_shows_the_error_of_the_log(planar_log):
+    (line,) = plot_log(planar_log).axes[0].lines
+    np.testing.assert_array_equal(line.get_xdata(), planar_log.time)
+    expected = 100 * np.linalg.norm(planar_log.error, axis=1)
+    np.testing.assert_allclose(line.get_ydata(), expected)
+
+
+def test_cycles_that_need_a_look_are_shaded(planar_log):
+    status = np.full(len(planar_log.time), int(ControllerStatus.TRACKING))
+    plain = dataclasses.replace(planar_log, status=status)
+    status = status.copy()
+    status[3:6] = status[-2:] = ControllerStatus.LIMITED
+    shaded = dataclasses.replace(planar_log, status=status)
+    counts = [len(plot_log(log).axes[0].patches) for log in (plain, shaded)]
+    assert counts == [0, 2]
+
+
+def test_a_log_of_one_cycle_can_be_drawn(planar_log, tmp_path):
+    from fikm_drake.simulation.tracking_log import series_names
+
+    one = {name: getattr(planar_log, name)[:1] for name in series_names()}
+    log = dataclasses.replace(planar_log, **one)
+    plot_log(log, tmp_path / "one.png")
+    assert (tmp_path / "one.png").read_bytes().startswith(PNG)
+    write_html(log, tmp_path / "one.html")
+
+
+def test_other_formats_and_bad_ones(planar_log, tmp_path):
+    plot_log(planar_log, tmp_path / "run.svg")
+    assert b"<svg" in (tmp_path / "run.svg").read_bytes()
+    with pytest.raises(ValueError, match="xyz"):
+        plot_log(planar_log, tmp_path / "run.xyz")
+    with pytest.raises(OSError):
+        plot_log(planar_log, tmp_path / "gone" / "run.png")
+
+
+def test_page_is_self_contained_and_plays(any_log, tmp_path):
+    path = tmp_path / "run.html"
+    write_html(any_log, path)
+    page = path.read_text("utf-8")
+    assert "<html" in page.lower()
+    loaded = re.findall(r"<(?:script|link|img|iframe)\b[^>]*(?:src|href)\s*=\s*[\"']?(\S+)", page)
+    assert not [url for url in loaded if not url.startswith("data:")]
+    assert "animation" in page
+    assert len(page) > 500_000  # Meshcat itself is inside
+
+
+def test_page_with_a_given_meshcat_that_stays_open(planar_log, tmp_path):
+    meshcat = Meshcat()
+    write_html(planar_log, tmp_path / "run.html", meshcat=meshcat)
+    assert meshcat.HasPath("path/actual")
+    assert meshcat.HasPath("path/desired")
+    with pytest.raises(OSError):
+        write_html(planar_log, tmp_path / "gone" / "run.html", meshcat=meshcat)

@@ -1,0 +1,91 @@
+"""The wheel: models inside, and usable from anywhere."""
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import fikm_drake
+from fikm_drake.resources import models_dir
+
+ROOT = Path(__file__).parents[1]
+
+SCRIPT = """
+import fikm_drake as fd
+from fikm_drake.resources import models_dir, model_names
+print(fd.__file__)
+print(models_dir())
+print(fd.load_arm("arm7").forward_kinematics([0.0] * 7)[:3, 3].round(12).tolist())
+print(all(fd.load_scenario(name).load_arm() for name in model_names("scenarios")))
+"""
+
+
+@pytest.fixture(scope="module")
+def unzipped(tmp_path_factory):
+    """The wheel's files; hatchling is installed, so that nothing is downloaded."""
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    command += ["--no-index", "--quiet", "--wheel-dir", str(folder), str(ROOT)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    (wheel,) = folder.glob("*.whl")
+    assert wheel.name == f"fikm_drake-{fikm_drake.__version__}-py3-none-any.whl"
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(folder / "unzipped")
+    return folder / "unzipped"
+
+
+def test_wheel_holds_models_types_and_license_and_nothing_else(unzipped):
+    assert (unzipped / "fikm_drake" / "py.typed").is_file()
+    ours = sorted(path.relative_to(models_dir()) for path in models_dir().rglob("*"))
+    models = unzipped / "fikm_drake" / "models"
+    assert sorted(path.relative_to(models) for path in models.rglob("*")) == ours
+    assert len(ours) > 15
+    assert list(unzipped.glob("*.dist-info/licenses/LICENSE"))
+    tops = {path.name.removesuffix(".dist-info") for path in unzipped.iterdir()}
+    assert tops == {"fikm_drake", f"fikm_drake-{fikm_drake.__version__}"}
+
+
+def test_metadata_asks_for_drake_and_numpy_only(unzipped):
+    (metadata,) = unzipped.glob("*.dist-info/METADATA")
+    required = re.findall(r"^Requires-Dist: (.*)$", metadata.read_text("utf-8"), re.MULTILINE)
+    assert [line for line in required if "extra ==" not in line] == ["drake", "numpy"]
+    assert {line.split("'")[1] for line in required if "extra ==" in line} == {
+        "notebooks",
+        "peers",
+        "test",
+    }
+    (entry_points,) = unzipped.glob("*.dist-info/entry_points.txt")
+    assert "fikm-drake = fikm_drake.cli:main" in entry_points.read_text("utf-8")
+
+
+def test_unzipped_wheel_finds_its_models_from_anywhere(unzipped, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": str(unzipped)}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    package, models, home, scenarios = done.stdout.splitlines()
+    assert Path(package).is_relative_to(unzipped)
+    assert Path(models) == unzipped / "fikm_drake" / "models"
+    assert home == "[0.2, -0.6, 0.6]"
+    assert scenarios == "True"
+
+
+def test_changelog_tells_of_this_version():
+    changelog = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    assert f"## [{fikm_drake.__version__}]" in changelog
+
+
+def test_public_names_exist():
+    for name in fikm_drake.__all__:
+        assert hasattr(fikm_drake, name)
