@@ -74,9 +74,10 @@ class FuzzyIk(LeafSystem):
         declare_valid_port(self)
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
-        if self._guard is not None and not all_finite(self._guard.Eval(context)):
+        error = self._error.Eval(context)
+        lost = self._guard is not None and not all_finite(self._guard.Eval(context))
+        if lost or not all_finite(error):
             output.set_value(self._hold)
             return
-        J = self._kinematics.jacobian(self._position.Eval(context))
-        step = self._law.step(J, self._error.Eval(context))
+        step = self._law.step(self._kinematics.jacobian(self._position.Eval(context)), error)
         output.set_value(step if all_finite(step) else self._hold)

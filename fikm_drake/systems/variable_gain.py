@@ -5,7 +5,7 @@ from math import inf, isfinite
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.laws.steps import amplify, length
+from fikm_drake.laws.steps import all_finite, amplify, length
 from fikm_drake.systems.checks import check_positive, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -53,8 +53,9 @@ class VariableGain(LeafSystem):
         declare_valid_port(self)
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        gain = float(self._gain.Eval(context)[0])
-        error = self._error.Eval(context)
+        gain, error = self._gain.Eval(context), self._error.Eval(context)
         size = length(error)
-        valid = isfinite(gain) and isfinite(size)
-        output.set_value(amplify(gain, error, size, self._limit) if valid else self._zeros)
+        if all_finite(gain) and isfinite(size):
+            output.set_value(amplify(float(gain[0]), error, size, self._limit))
+        else:
+            output.set_value(self._zeros)

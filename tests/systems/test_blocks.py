@@ -1,0 +1,357 @@
+"""What holds for every block: ports, feedthrough, bad inputs, purity."""
+
+import copy
+import re
+import threading
+
+import numpy as np
+import pytest
+import yaml
+
+import fikm_drake as fd
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+
+PERIOD = 0.02
+
+MAKERS = {
+    "TaskError": lambda plant: fd.TaskError(plant),
+    "GainSupervisor": lambda plant: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=0.2),
+    "VariableGain": lambda plant: fd.VariableGain(3, limit=0.2),
+    "LowPassFilter": lambda plant: fd.LowPassFilter(3, period=PERIOD),
+    "FuzzyIk": lambda plant: fd.FuzzyIk(plant, guard_size=3),
+    "JointIntegrator": lambda plant: fd.JointIntegrator(
+        -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
+    ),
+    "StatusMonitor": lambda plant: fd.StatusMonitor(3),
+    "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
+        plant, law=FuzzyMapping(), config=fd.FuzzyIkConfig(fused=True, measured_position=True)
+    ),
+}
+
+PORTS = {
+    "TaskError": ({"desired_position": 3, "position": 7}, {"task_error": 3, "valid": 1}),
+    "GainSupervisor": (
+        {"task_error": 3, "joint_step": 7},
+        {"gain": 1, "oscillating": 1, "valid": 1},
+    ),
+    "VariableGain": ({"gain": 1, "task_error": 3}, {"amplified_error": 3, "valid": 1}),
+    "LowPassFilter": ({"u0": 3}, {"y0": 3}),
+    "FuzzyIk": ({"task_error": 3, "position": 7, "guard": 3}, {"joint_step": 7, "valid": 1}),
+    "JointIntegrator": (
+        {"joint_step": 7},
+        {"position": 7, "velocity": 7, "valid": 1, "limited": 1},
+    ),
+    "StatusMonitor": (
+        {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1},
+        {"status": 1},
+    ),
+    "FusedFuzzyIk": (
+        {"desired_position": 3, "estimated_position": 7},
+        {
+            "commanded_position": 7,
+            "commanded_velocity": 7,
+            "joint_step": 7,
+            "task_error": 3,
+            "gain": 1,
+            "oscillating": 1,
+            "status": 1,
+        },
+    ),
+}
+
+# Outputs that do not feed through from an input; all others do.
+STATE_ONLY = {
+    "GainSupervisor": {("joint_step", "gain"), ("joint_step", "oscillating")}
+    | {("task_error", "oscillating")},
+    "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
+    "FusedFuzzyIk": {
+        (i, o)
+        for i in ("desired_position", "estimated_position")
+        for o in ("commanded_position", "commanded_velocity", "oscillating")
+    },
+}
+
+# The filter is Drake's; it keeps what is fed to it, as its docstring says.
+PYTHON_BLOCKS = [name for name in MAKERS if name != "LowPassFilter"]
+
+GOOD = {
+    "desired_position": np.array([0.3, -0.5, 0.5]),
+    "position": 0.3 * np.ones(7),
+    "estimated_position": 0.3 * np.ones(7),
+    "task_error": np.array([0.03, -0.02, 0.01]),
+    "joint_step": 0.01 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
+    "gain": np.ones(1),
+    "guard": np.zeros(3),
+    "valid": np.ones(1),
+    "limited": np.zeros(1),
+    "oscillating": np.zeros(1),
+    "u0": np.ones(3),
+}
+
+
+def good(name):
+    return {port: GOOD[port] for port in PORTS[name][0]}
+
+
+def random_inputs(name, rng, cycles):
+    """Inputs near the good ones, a little other in every cycle."""
+    return [
+        {port: value * rng.uniform(0.5, 1.5, value.shape) for port, value in good(name).items()}
+        for _ in range(cycles)
+    ]
+
+
+@pytest.fixture(params=MAKERS)
+def name(request):
+    return request.param
+
+
+@pytest.fixture
+def block(name, plant):
+    return MAKERS[name](plant)
+
+
+def test_ports(name, block, ports):
+    assert ports(block) == PORTS[name]
+
+
+def test_the_docstring_begins_with_the_ports(name, block, ports):
+    text = type(block).__doc__
+    found = re.search(r"\.\. pydrake_system::\n\n((?: {8}.*\n)+)", text)
+    described = yaml.safe_load(found.group(1))
+    inputs, outputs = ports(block)
+    assert described == {
+        "name": name,
+        "input_ports": list(inputs),
+        "output_ports": list(outputs),
+    }
+    rest = text[found.end() :]
+    if name != "FusedFuzzyIk":  # refers to FuzzyIkController
+        for port in [*inputs, *outputs]:
+            assert f"**{port}**" in rest
+
+
+def test_direct_feedthrough(name, block):
+    inputs, outputs = (list(ports) for ports in PORTS[name])
+    for i, source in enumerate(inputs):
+        for j, target in enumerate(outputs):
+            expected = (source, target) not in STATE_ONLY.get(name, ())
+            assert block.HasDirectFeedthrough(i, j) == expected, (source, target)
+
+
+def test_feedthrough_is_true_to_what_the_outputs_do(name, block, drive):
+    """An output that is said not to feed through does not change with the input."""
+    driver = drive(block).feed(**good(name))
+    for source, target in STATE_ONLY.get(name, ()):
+        before = driver[target]
+        driver.feed(**{source: 2 * GOOD[source]})
+        np.testing.assert_array_equal(driver[target], before)
+
+
+def states_are_finite(driver):
+    return all(np.isfinite(group).all() for group in driver.state())
+
+
+@pytest.mark.filterwarnings("error", "ignore:overflow")
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1e200])
+@pytest.mark.parametrize("name", PYTHON_BLOCKS, indirect=True)
+def test_what_is_not_finite_reaches_no_output_and_no_state(name, block, bad, drive):
+    for port, value in good(name).items():
+        for element in (0, len(value) - 1):
+            wrong = value.copy()
+            wrong[element] = bad
+            driver, untouched = drive(block), drive(block)
+            for _ in range(3):
+                driver.cycle(**good(name))
+                untouched.cycle(**good(name))
+            for _ in range(12):
+                outputs = driver.cycle(**good(name) | {port: wrong})
+                for output, result in outputs.items():
+                    assert np.isfinite(result).all(), (port, output)
+                # A huge gain is a number still, and so is a flag: they have no length.
+                if not (bad == 1e200 and port in ("limited", "oscillating", "valid")):
+                    if "valid" in outputs:
+                        assert outputs["valid"] == 0, port
+                    if "status" in outputs:
+                        assert outputs["status"] == fd.ControllerStatus.INVALID_INPUT, port
+                    for held in ("joint_step", "amplified_error", "velocity"):
+                        if held in outputs and _ > 0:
+                            np.testing.assert_array_equal(outputs[held], 0.0)
+                assert states_are_finite(driver)
+            after = driver.feed(**good(name)).read()
+            if "valid" in after:
+                assert after["valid"] == 1
+            if "status" in after:
+                assert after["status"] != fd.ControllerStatus.INVALID_INPUT
+            for held in ("position", "commanded_position"):
+                if held in after:
+                    np.testing.assert_array_equal(after[held], untouched[held])
+            if not driver.state():  # no memory: as if nothing had been
+                assert after.keys() == untouched.read().keys()
+                for output, result in untouched.read().items():
+                    np.testing.assert_array_equal(after[output], result)
+
+
+def test_two_contexts_of_one_block_do_not_meet(name, block, drive, equal):
+    rng = np.random.default_rng(0)
+    inputs = [random_inputs(name, rng, 30) for _ in range(2)]
+    serial = [[driver.cycle(**i) for i in each] for driver, each in zip((drive(block), drive(block)), inputs)]
+    drivers = drive(block), drive(block)
+    interleaved = [[], []]
+    for pair in zip(*inputs):
+        for driver, results, i in zip(drivers, interleaved, pair):
+            results.append(driver.cycle(**i))
+    for a, b in zip(serial, interleaved):
+        equal(a, b)
+
+
+def test_a_cloned_context_goes_on_alike(name, block, drive, equal):
+    rng = np.random.default_rng(1)
+    inputs = random_inputs(name, rng, 40)
+    first = drive(block)
+    for i in inputs[:20]:
+        first.cycle(**i)
+    clone = drive(block, first.context.Clone())
+    deep = drive(block, copy.deepcopy(first.context))
+    expected = [first.cycle(**i) for i in inputs[20:]]
+    equal(expected, [clone.cycle(**i) for i in inputs[20:]])
+    equal(expected, [deep.cycle(**i) for i in inputs[20:]])
+
+
+def test_evaluation_leaves_the_state_and_its_order_alone(name, block, drive):
+    driver = drive(block).feed(**good(name))
+    before = driver.state()
+    first = driver.read()
+    driver.outputs.reverse()
+    second = driver.feed(**good(name)).read()
+    for output in first:
+        np.testing.assert_array_equal(first[output], second[output])
+    for a, b in zip(before, driver.state()):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_threads_give_the_serial_results(name, block, drive, equal):
+    rng = np.random.default_rng(2)
+    inputs = [random_inputs(name, rng, 60) for _ in range(4)]
+    serial = [[driver.cycle(**i) for i in each] for driver, each in zip([drive(block) for _ in inputs], inputs)]
+    drivers, results = [drive(block) for _ in inputs], [[] for _ in inputs]
+    together = threading.Barrier(len(inputs))
+
+    def work(driver, each, out):
+        together.wait()
+        for i in each:
+            out.append(driver.cycle(**i))
+
+    threads = [threading.Thread(target=work, args=args) for args in zip(drivers, inputs, results)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for a, b in zip(serial, results):
+        equal(a, b)
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda period: fd.GainSupervisor(3, 7, period=period),
+        lambda period: fd.LowPassFilter(3, period=period),
+        lambda period: fd.JointIntegrator([-1], [1], period=period, initial_position=[0]),
+    ],
+)
+def test_a_period_must_be_positive_and_finite(make, period):
+    with pytest.raises(ValueError, match="period") as error:
+        make(period)
+    assert repr(period) in str(error.value)
+
+
+@pytest.mark.parametrize("size", [0, -1, 2.5, "3"])
+@pytest.mark.parametrize(
+    ("argument", "make"),
+    [
+        ("num_rows", lambda size: fd.GainSupervisor(size, 7, period=PERIOD)),
+        ("num_joints", lambda size: fd.GainSupervisor(3, size, period=PERIOD)),
+        ("size", lambda size: fd.VariableGain(size)),
+        ("size", lambda size: fd.LowPassFilter(size, period=PERIOD)),
+        ("size", lambda size: fd.StatusMonitor(size)),
+    ],
+)
+def test_sizes_must_be_positive_integers(argument, make, size):
+    with pytest.raises(ValueError) as error:
+        make(size)
+    assert argument in str(error.value) and repr(size) in str(error.value)
+
+
+def test_sizes_may_be_of_numpy(ports):
+    assert ports(fd.VariableGain(np.int64(3)))[0] == {"gain": 1, "task_error": 3}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda p: fd.GainSupervisor(3, 53, period=PERIOD), ["num_joints", "52", "53"]),
+        (lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=-1.0), ["error_limit", "-1"]),
+        (lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=np.nan), ["error_limit", "nan"]),
+        (lambda p: fd.VariableGain(3, limit=0.0), ["limit", "0.0", "positive"]),
+        (lambda p: fd.VariableGain(3, limit=np.nan), ["limit", "nan", "positive"]),
+        (lambda p: fd.StatusMonitor(3, tolerance=0.0), ["tolerance", "0.0", "positive"]),
+        (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=1.0), ["smoothing", "1.0", "[0, 1)"]),
+        (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=-0.1), ["smoothing", "-0.1"]),
+        (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=np.nan), ["smoothing", "nan"]),
+        (lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan), ["initial_value", "nan"]),
+        (lambda p: fd.FuzzyIk(p, guard_size=-1), ["guard_size", "-1"]),
+        (lambda p: fd.FuzzyIk(p, task="pose"), ["task", "pose", "position", "xy"]),
+        (lambda p: fd.TaskError(p, task="yx"), ["task", "yx", "position", "xy"]),
+        (lambda p: fd.TaskError(p, frame="hand"), ["frame", "hand", "link1", "link7", "tool"]),
+        (lambda p: fd.FuzzyIk(p, frame=""), ["frame", "''", "link1", "link7", "tool"]),
+        (lambda p: fd.FuzzyIk(p, frame="no_arm::tool"), ["frame", "no_arm::tool", "arm7::tool"]),
+    ],
+)
+def test_errors_name_the_bad_value_and_the_valid_ones(make, words, plant):
+    with pytest.raises(ValueError) as error:
+        make(plant)
+    for word in words:
+        assert word in str(error.value)
+
+
+BLOCKS_WITH_A_PLANT = [
+    lambda plant: fd.TaskError(plant),
+    lambda plant: fd.FuzzyIk(plant),
+    lambda plant: fd.MakeFuzzyIkController(plant),
+    lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=True)),
+    lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(method="direct")),
+]
+
+
+@pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
+def test_a_plant_must_be_finalized(make, arm7):
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.0)
+    fd.AddDhArm(plant, arm7)
+    with pytest.raises(ValueError, match="finalized"):
+        make(plant)
+
+
+@pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
+def test_a_plant_must_have_no_free_body(make, arm7):
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import SpatialInertia
+
+    plant = MultibodyPlant(0.0)
+    instance = fd.AddDhArm(plant, arm7)
+    plant.AddRigidBody("ball", instance, SpatialInertia.SolidSphereWithMass(1.0, 0.1))
+    plant.Finalize()
+    with pytest.raises(ValueError, match="weld"):
+        make(plant)
+
+
+@pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
+def test_a_plant_must_have_joints(make):
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.0)
+    plant.Finalize()
+    with pytest.raises(ValueError, match="joints"):
+        make(plant)
