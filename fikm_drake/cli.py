@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from fikm_drake.experiments.papers import select
+from fikm_drake.experiments.step_benchmark import step_benchmark
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.resources import model_names, models_dir
@@ -13,6 +15,7 @@ from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import load_scenario
+from fikm_drake.simulation.write_html import write_html
 
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 EXIT_CODES = """exit codes:
@@ -125,18 +128,12 @@ def _folders_exist(options: argparse.Namespace) -> bool:
 
 def _write(log: TrackingLog, options: argparse.Namespace) -> bool:
     """Write the files that were asked for, each even if another fails; True if all could be."""
-
-    def write_page(path: str) -> None:
-        from fikm_drake.simulation.write_html import write_html  # Meshcat is slow to import
-
-        write_html(log, path)
-
     good = True
     writers: dict[str, Callable] = {
         "log": log.save,
         "csv": log.to_csv,
         "plot": lambda path: plot_log(log, path),
-        "html": write_page,
+        "html": lambda path: write_html(log, path),
     }
     for name, write in writers.items():
         path = getattr(options, name)
@@ -170,8 +167,6 @@ def _models(options: argparse.Namespace) -> int:
 
 
 def _reproduce(options: argparse.Namespace) -> int:
-    from fikm_drake.experiments.papers import select
-
     keys = [*options.only, *(f"table {n}" for n in options.table)]
     keys += [f"figure {n}" for n in options.figure]
     experiments = select(options.paper, keys)
@@ -191,8 +186,6 @@ def _reproduce(options: argparse.Namespace) -> int:
 
 
 def _benchmark_step(options: argparse.Namespace) -> int:
-    from fikm_drake.experiments.step_benchmark import step_benchmark
-
     costs = step_benchmark(rounds=options.rounds, progress=_progress())
     print(
         "one control step of arm7 in a Simulator, CPU time (median), over Drake's usual and least"

@@ -1,0 +1,312 @@
+"""Each block alone: what it puts out against the pure functions and the arm's own kinematics."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource, LinearSystem, LogVectorOutput, Sine
+
+import fikm_drake as fd
+from fikm_drake.laws.controller_status import ControllerStatus, controller_status
+from fikm_drake.laws.steps import amplify
+
+AXES = {"position": [0, 1, 2], "xy": [0, 1], "xz": [0, 2], "yz": [1, 2], "x": [0], "y": [1], "z": [2]}
+
+
+@pytest.mark.parametrize("task", AXES)
+def test_task_error_is_desired_minus_actual(task, plant, arm7, drive):
+    rng = np.random.default_rng(0)
+    driver = drive(fd.TaskError(plant, task=task))
+    for q in rng.uniform(-3, 3, (20, 7)):
+        desired = rng.normal(size=len(AXES[task]))
+        expected = desired - arm7.forward_kinematics(q)[AXES[task], 3]
+        outputs = driver.cycle(desired_position=desired, position=q)
+        np.testing.assert_allclose(outputs["task_error"], expected, atol=1e-14)
+        assert outputs["valid"] == 1
+
+
+@pytest.mark.parametrize("frame", ["tool", "arm7::tool", "link4", "world"])
+def test_task_error_of_another_frame(frame, plant, arm7, drive):
+    q = np.linspace(-1, 1, 7)
+    poses = {"link4": arm7.link_poses(q)[3], "world": np.eye(4)}
+    pose = poses.get(frame, arm7.forward_kinematics(q))
+    driver = drive(fd.TaskError(plant, frame=frame))
+    error = driver.cycle(desired_position=np.zeros(3), position=q)["task_error"]
+    np.testing.assert_allclose(error, -pose[:3, 3], atol=1e-14)
+
+
+@pytest.mark.parametrize("task", AXES)
+@pytest.mark.parametrize("method", ["indirect", "direct"])
+def test_fuzzy_ik_is_the_law_at_the_arms_jacobian(task, method, plant, arm7, drive):
+    rows = [3 + i for i in AXES[task]]
+    law = fd.FuzzyMapping(method, jacobian_range=arm7.jacobian_range()[rows])
+    driver = drive(fd.FuzzyIk(plant, law=law, task=task))
+    rng = np.random.default_rng(1)
+    for q in rng.uniform(-3, 3, (10, 7)):
+        error = rng.uniform(-0.05, 0.05, len(rows))
+        outputs = driver.cycle(task_error=error, position=q)
+        expected = law(arm7.jacobian(q)[rows], error)
+        np.testing.assert_allclose(outputs["joint_step"], expected, atol=1e-12)
+
+
+def test_fuzzy_ik_takes_the_paper_s_law_by_default(plant, arm7, drive):
+    q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
+    step = drive(fd.FuzzyIk(plant)).cycle(task_error=error, position=q)["joint_step"]
+    np.testing.assert_allclose(step, fd.FuzzyMapping()(arm7.jacobian(q)[3:], error), atol=1e-13)
+
+
+def test_fuzzy_ik_takes_another_law(plant, arm7, drive):
+    """Any object with `step(J, dr)`: here damped least squares."""
+
+    class Damped:
+        def step(self, J, dr):
+            return J.T @ np.linalg.solve(J @ J.T + 1e-4 * np.eye(len(J)), dr)
+
+    q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
+    step = drive(fd.FuzzyIk(plant, law=Damped())).cycle(task_error=error, position=q)["joint_step"]
+    np.testing.assert_allclose(step, Damped().step(arm7.jacobian(q)[3:], error), atol=1e-13)
+    np.testing.assert_allclose(arm7.jacobian(q)[3:] @ step, error, atol=1e-4)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_fuzzy_ik_guard(plant, drive, bad):
+    """The error is good still, filtered as it is, but what it comes from is lost."""
+    driver = drive(fd.FuzzyIk(plant, guard_size=2))
+    good = {"task_error": np.full(3, 0.01), "position": np.ones(7), "guard": np.zeros(2)}
+    assert driver.cycle(**good)["joint_step"].any()
+    lost = driver.cycle(**good | {"guard": np.array([0.0, bad])})
+    assert not lost["joint_step"].any() and lost["valid"] == 0
+    assert fd.FuzzyIk(plant).num_input_ports() == 2
+
+
+def test_a_nan_of_a_joint_beyond_the_frame_counts(plant, drive):
+    """Joint 7 does not move link4, but an arm whose sensors fail must stop."""
+    q = np.full(7, 0.3)
+    q[6] = np.nan
+    outputs = drive(fd.TaskError(plant, frame="link4")).cycle(desired_position=np.ones(3), position=q)
+    assert outputs["valid"] == 0 and not outputs["task_error"].any()
+    outputs = drive(fd.FuzzyIk(plant, frame="link4")).cycle(task_error=np.ones(3), position=q)
+    assert outputs["valid"] == 0 and not outputs["joint_step"].any()
+
+
+@given(
+    hnp.arrays(float, 3, elements=st.floats(-1, 1)), st.floats(0, 3), st.sampled_from([0.2, np.inf])
+)
+def test_variable_gain(drive, error, gain, limit):
+    driver = drive(fd.VariableGain(3, limit=limit))
+    outputs = driver.cycle(gain=[gain], task_error=error)
+    expected = amplify(gain, error, float(np.linalg.norm(error)), limit)
+    np.testing.assert_allclose(outputs["amplified_error"], expected, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize("flags", itertools.product([0.0, 1.0], repeat=3))
+@pytest.mark.parametrize("error", [0.0, 1e-3, 1.1e-3, 2.0])
+def test_status_monitor(drive, flags, error):
+    driver = drive(fd.StatusMonitor(2))
+    names = dict(zip(("valid", "limited", "oscillating"), flags))
+    status = driver.cycle(task_error=[0.0, -error], **{k: [v] for k, v in names.items()})["status"]
+    flags = {name: bool(flag) for name, flag in names.items()}
+    assert status == controller_status(error=error, tolerance=1e-3, **flags)
+    assert ControllerStatus(int(status[0])) in ControllerStatus
+
+
+def test_gain_supervisor_is_the_law(drive):
+    rng = np.random.default_rng(3)
+    law = fd.GainSupervision()
+    memory = law.initial_memory()
+    driver = drive(fd.GainSupervisor(3, 7, period=0.02, error_limit=0.2))
+    for _ in range(300):
+        error = 10.0 ** rng.uniform(-4, 0) * rng.normal(size=3)
+        step = rng.normal(size=7) * (rng.random(7) < 0.9)
+        outputs = driver.cycle(task_error=error, joint_step=step)
+        size = min(np.linalg.norm(error), 0.2)
+        assert outputs["gain"] == pytest.approx(law.gain(memory, size), rel=1e-12)
+        assert outputs["oscillating"] == law.oscillating(memory)
+        law.remember(memory, size, step)
+
+
+def test_gain_supervisor_forgets_what_is_not_finite(drive):
+    block = fd.GainSupervisor(3, 2, period=0.02, error_limit=0.2)
+    disturbed, expected = drive(block), drive(block)
+    rng = np.random.default_rng(4)
+    for k in range(60):
+        good = {"task_error": rng.normal(size=3), "joint_step": rng.normal(size=2)}
+        if k % 3 == 0:
+            bad = rng.choice([np.nan, np.inf, -np.inf])
+            outputs = disturbed.cycle(task_error=[0, bad, 0], joint_step=[0.0, 0.0])
+            assert outputs["gain"] in (0.8, 0.03)  # that of a big error
+        # Cycles without a motion age the sign changes: only the errors are compared.
+        known = disturbed.cycle(**good)["gain"], expected.cycle(**good)["gain"]
+        errors = [driver.state()[0][5:15] for driver in (disturbed, expected)]
+        np.testing.assert_array_equal(errors[0], errors[1])
+        assert all(np.isfinite(known))
+
+
+@given(st.lists(hnp.arrays(float, 2, elements=st.floats(-3, 3)), min_size=1, max_size=20))
+def test_joint_integrator_keeps_the_limits(drive, steps):
+    lower, upper = np.array([-1.0, -np.inf]), np.array([2.0, 0.5])
+    block = fd.JointIntegrator(lower, upper, period=0.5, initial_position=[0.0, 0.0])
+    driver = drive(block)
+    q = np.zeros(2)
+    for step in steps:
+        outputs = driver.cycle(joint_step=step)
+        np.testing.assert_array_equal(outputs["position"], q)
+        free = q + step
+        after = np.clip(free, lower, upper)
+        assert outputs["limited"] == (after != free).any()
+        np.testing.assert_allclose(driver["velocity"], (after - q) / 0.5, atol=1e-12)
+        q = after
+    np.testing.assert_array_equal(driver["position"], q)
+
+
+def test_joint_integrator_velocity_is_the_derivative_of_the_position(drive):
+    block = fd.JointIntegrator([-9] * 3, [9] * 3, period=0.01, initial_position=np.zeros(3))
+    rng = np.random.default_rng(5)
+    driver = drive(block)
+    outputs = [driver.cycle(joint_step=step) for step in rng.normal(size=(9, 3))]
+    q, v = (np.array([o[name] for o in outputs]) for name in ("position", "velocity"))
+    np.testing.assert_allclose(v[1:], np.diff(q, axis=0) / 0.01, rtol=1e-9)
+    assert not v[0].any()
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "initial", "words"),
+    [
+        ([1.0], [-1.0], [0.0], ["lower", "[1.0]", "[-1.0]"]),
+        ([0.0], [0.0], [0.0], ["lower", "less"]),
+        ([np.nan], [1.0], [0.0], ["lower", "nan"]),
+        ([-1.0, -1.0], [1.0], [0.0], ["lower", "(2,)", "(1,)"]),
+        ([], [], [], ["lower", "(0,)"]),
+        (-1.0, 1.0, 0.0, ["lower", "()"]),
+        ([-1.0], [1.0], [2.0], ["position 1", "-1.0", "1.0", "2.0"]),
+        ([-1.0, -1.0], [1.0, 1.0], [0.0, -1.5], ["position 2", "-1.5"]),
+        ([-1.0], [1.0], [0.0, 0.0], ["1 finite", "[0.0, 0.0]"]),
+        ([-1.0], [1.0], [np.nan], ["finite", "nan"]),
+        ([-np.inf], [np.inf], [np.inf], ["finite", "inf"]),
+    ],
+)
+def test_joint_integrator_errors(lower, upper, initial, words):
+    with pytest.raises(ValueError) as error:
+        fd.JointIntegrator(lower, upper, period=0.02, initial_position=initial)
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_set_positions(drive):
+    block = fd.JointIntegrator([-1.0] * 2, [1.0] * 2, period=0.02, initial_position=[0.0, 0.0])
+    driver = drive(block)
+    driver.cycle(joint_step=[0.1, 0.1])
+    block.SetPositions(driver.context, [0.5, -1.0])
+    np.testing.assert_array_equal(driver["position"], [0.5, -1.0])
+    np.testing.assert_array_equal(driver["velocity"], [0.0, 0.0])
+    for wrong in ([0.5], [0.5, 1.1], [0.5, np.nan], [[0.5, 0.5]]):
+        with pytest.raises(ValueError, match="joint position"):
+            block.SetPositions(driver.context, wrong)
+    np.testing.assert_array_equal(driver["position"], [0.5, -1.0])
+
+
+def test_set_positions_refuses_the_context_of_another_system():
+    """The root Context's first state group may be another block's of the same size."""
+    builder = DiagramBuilder()
+    blocks = [
+        builder.AddSystem(fd.JointIntegrator([-1], [1], period=0.02, initial_position=[0]))
+        for _ in range(2)
+    ]
+    source = builder.AddSystem(ConstantVectorSource([0.1]))
+    for block in blocks:
+        builder.Connect(source.get_output_port(), block.get_input_port())
+    diagram = builder.Build()
+    root = diagram.CreateDefaultContext()
+    with pytest.raises(RuntimeError):
+        blocks[1].SetPositions(root, [0.5])
+    with pytest.raises(RuntimeError):
+        blocks[1].SetPositions(blocks[0].GetMyMutableContextFromRoot(root), [0.5])
+    assert not root.get_discrete_state(0).value().any()
+
+
+@pytest.mark.parametrize("smoothing", [0.0, 0.5, 2 / 3])
+def test_low_pass_filter_is_equation_31(drive, smoothing):
+    driver = drive(fd.LowPassFilter(3, period=0.02, smoothing=smoothing, initial_value=0.7))
+    rng = np.random.default_rng(6)
+    y = np.full(3, 0.7)
+    for u in rng.normal(size=(50, 3)):
+        y = (1 - smoothing) * u + smoothing * y
+        np.testing.assert_allclose(driver.cycle(u0=u)["y0"], y, atol=1e-14)
+
+
+def test_low_pass_filter_defaults_to_the_paper(drive):
+    """Equations 30, 31: one third of the new, two thirds of the old."""
+    driver = drive(fd.LowPassFilter(1, period=0.02))
+    assert driver.cycle(u0=[3.0])["y0"] == pytest.approx(1.0)
+    assert driver.cycle(u0=[0.0])["y0"] == pytest.approx(2 / 3)
+
+
+def test_low_pass_filter_is_drake_s_and_converts():
+    block = fd.LowPassFilter(2, period=0.02)
+    assert isinstance(block, LinearSystem)
+    assert block.time_period() == 0.02
+    for convert in (block.ToAutoDiffXd, block.ToSymbolic):
+        converted = convert()
+        assert converted.num_input_ports() == 1 and converted.get_output_port().size() == 2
+    from pydrake.autodiffutils import AutoDiffXd, ExtractGradient
+
+    autodiff = block.ToAutoDiffXd()
+    context = autodiff.CreateDefaultContext()
+    u = np.array([AutoDiffXd(1.0, [1.0, 0.0]), AutoDiffXd(2.0, [0.0, 1.0])])
+    autodiff.get_input_port().FixValue(context, u)
+    y = autodiff.get_output_port().Eval(context)
+    np.testing.assert_allclose(ExtractGradient(y), np.eye(2) / 3)
+
+
+def test_blocks_of_the_loop_in_a_diagram_of_one_s_own(plant, arm7):
+    """TaskError, FuzzyIk and JointIntegrator, without supervisor and filters, wired by hand."""
+    builder = DiagramBuilder()
+    error = builder.AddNamedSystem("error", fd.TaskError(plant))
+    ik = builder.AddNamedSystem("ik", fd.FuzzyIk(plant))
+    q0 = np.full(7, 0.2)
+    integrator = builder.AddNamedSystem(
+        "integrator", fd.JointIntegrator(arm7.lower, arm7.upper, period=0.02, initial_position=q0)
+    )
+    target = builder.AddSystem(ConstantVectorSource([0.3, -0.5, 0.5]))
+    builder.Connect(target.get_output_port(), error.GetInputPort("desired_position"))
+    builder.Connect(error.GetOutputPort("task_error"), ik.GetInputPort("task_error"))
+    builder.Connect(ik.GetOutputPort("joint_step"), integrator.GetInputPort("joint_step"))
+    for block in (error, ik):
+        builder.Connect(integrator.GetOutputPort("position"), block.GetInputPort("position"))
+    sink = LogVectorOutput(integrator.GetOutputPort("position"), builder, 0.02)
+    simulator = Simulator(builder.Build())
+    simulator.AdvanceTo(4.0)
+    q = sink.FindLog(simulator.get_context()).data().T
+    law, expected = fd.FuzzyMapping(), [q0]
+    for _ in q[1:]:
+        last = expected[-1]
+        e = np.array([0.3, -0.5, 0.5]) - arm7.forward_kinematics(last)[:3, 3]
+        expected.append(last + law(arm7.jacobian(last)[3:], e))
+    np.testing.assert_allclose(q, expected, atol=1e-9)
+    assert np.linalg.norm(e) < 1e-6
+
+
+def test_supervisor_and_filter_in_a_diagram_of_one_s_own():
+    """GainSupervisor, LowPassFilter and VariableGain beside somebody else's signal."""
+    builder = DiagramBuilder()
+    signal = builder.AddSystem(Sine(0.1, 3.0, 0.5, 2))
+    supervisor = builder.AddSystem(fd.GainSupervisor(2, 2, period=0.02))
+    smooth = builder.AddSystem(fd.LowPassFilter(1, period=0.02, initial_value=1.0))
+    gain = builder.AddSystem(fd.VariableGain(2, limit=0.05))
+    builder.Connect(signal.get_output_port(0), supervisor.GetInputPort("task_error"))
+    builder.Connect(signal.get_output_port(0), gain.GetInputPort("task_error"))
+    builder.Connect(supervisor.GetOutputPort("gain"), smooth.get_input_port())
+    builder.Connect(smooth.get_output_port(), gain.GetInputPort("gain"))
+    # The loop that needs no feedthrough from the joint step to the gain.
+    builder.Connect(gain.GetOutputPort("amplified_error"), supervisor.GetInputPort("joint_step"))
+    sink = LogVectorOutput(gain.GetOutputPort("amplified_error"), builder, 0.02)
+    simulator = Simulator(builder.Build())
+    simulator.AdvanceTo(2.0)
+    data = sink.FindLog(simulator.get_context()).data()
+    assert np.linalg.norm(data, axis=0).max() <= 2.6 * 0.05
+    assert np.abs(data).max() > 0.05
