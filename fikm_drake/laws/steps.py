@@ -27,7 +27,7 @@ def amplify(gain: float, error: Array, size: float, limit: float) -> Array:
 
 def low_pass(value: Signal, previous: Signal, smoothing: float) -> Signal:
     """(1 − smoothing) · value + smoothing · previous (equations 30 and 31 with 2/3)."""
-    return value + smoothing * (previous - value)
+    return smoothing * previous + (1.0 - smoothing) * value
 
 
 def integrate(position: Array, joint_step: Array, lower: Array, upper: Array) -> Array:

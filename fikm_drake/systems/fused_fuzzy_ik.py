@@ -88,9 +88,9 @@ class FusedFuzzyIk(LeafSystem):
         n, m = self._kinematics.num_joints, self._kinematics.task.size
         self._no_error, self._hold = np.zeros(m), np.zeros(n)
 
-        self._desired = self.DeclareVectorInputPort("desired_position", m)
+        self._desired = self.DeclareVectorInputPort("desired_position", m).Eval
         self._estimated = (
-            self.DeclareVectorInputPort("estimated_position", n)
+            self.DeclareVectorInputPort("estimated_position", n).Eval
             if config.measured_position
             else None
         )
@@ -138,9 +138,9 @@ class FusedFuzzyIk(LeafSystem):
     def _cycle(self, context: Context, command: Array, filters: Array, memory: Array) -> _Cycle:
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
         config = self._config
-        q = command if self._estimated is None else self._estimated.Eval(context)
+        q = command if self._estimated is None else self._estimated(context)
         actual, J = self._kinematics.position_and_jacobian(q)
-        error = self._desired.Eval(context) - actual
+        error = self._desired(context) - actual
         size = length(error)
         valid = isfinite(size)
         if not valid:

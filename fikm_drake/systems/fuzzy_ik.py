@@ -62,9 +62,11 @@ class FuzzyIk(LeafSystem):
         n = self._kinematics.num_joints
         self._hold = np.zeros(n)
         m = self._kinematics.task.size
-        self._error = self.DeclareVectorInputPort("task_error", m)
-        self._position = self.DeclareVectorInputPort("position", n)
-        self._guard = self.DeclareVectorInputPort("guard", guard_size) if guard_size else None
+        self._error = self.DeclareVectorInputPort("task_error", m).Eval
+        self._position = self.DeclareVectorInputPort("position", n).Eval
+        self._guard = None
+        if guard_size:
+            self._guard = self.DeclareVectorInputPort("guard", guard_size).Eval
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -74,10 +76,10 @@ class FuzzyIk(LeafSystem):
         declare_valid_port(self)
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
-        error = self._error.Eval(context)
-        lost = self._guard is not None and not all_finite(self._guard.Eval(context))
+        error = self._error(context)
+        lost = self._guard is not None and not all_finite(self._guard(context))
         if lost or not all_finite(error):
             output.set_value(self._hold)
             return
-        step = self._law.step(self._kinematics.jacobian(self._position.Eval(context)), error)
+        step = self._law.step(self._kinematics.jacobian(self._position(context)), error)
         output.set_value(step if all_finite(step) else self._hold)

@@ -58,14 +58,15 @@ class GainSupervisor(LeafSystem):
             raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
         self._supervision = GainSupervision(config)
         self._error_limit = check_positive("error_limit", error_limit)
-        self._error = self.DeclareVectorInputPort("task_error", num_rows)
-        self._step = self.DeclareVectorInputPort("joint_step", num_joints)
+        error = self.DeclareVectorInputPort("task_error", num_rows)
+        step = self.DeclareVectorInputPort("joint_step", num_joints)
+        self._error, self._step = error.Eval, step.Eval
         self.DeclareDiscreteState(self._supervision.initial_memory())
         self.DeclareVectorOutputPort(
             "gain",
             1,
             self._calc_gain,
-            prerequisites_of_calc={self._error.ticket(), self.xd_ticket()},
+            prerequisites_of_calc={error.ticket(), self.xd_ticket()},
         )
         self.DeclareVectorOutputPort(
             "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
@@ -74,7 +75,7 @@ class GainSupervisor(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 
     def _length(self, context: Context) -> float:
-        size = length(self._error.Eval(context))
+        size = length(self._error(context))
         return self._error_limit if self._error_limit < size < inf else size
 
     def _calc_gain(self, context: Context, output: BasicVector) -> None:
@@ -87,4 +88,4 @@ class GainSupervisor(LeafSystem):
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
-        self._supervision.remember(memory, self._length(context), self._step.Eval(context))
+        self._supervision.remember(memory, self._length(context), self._step(context))

@@ -54,7 +54,8 @@ class JointIntegrator(LeafSystem):
         start = check_position(initial_position, self._lower, self._upper)
         n = len(start)
         self._rate = 1.0 / check_period(period)
-        self._step = self.DeclareVectorInputPort("joint_step", n)
+        step = self.DeclareVectorInputPort("joint_step", n)
+        self._step = step.Eval
         position = self.DeclareDiscreteState(start)
         velocity = self.DeclareDiscreteState(n)
         self.DeclareStateOutputPort("position", position)
@@ -64,7 +65,7 @@ class JointIntegrator(LeafSystem):
             "limited",
             1,
             self._calc_limited,
-            prerequisites_of_calc={self._step.ticket(), self.xd_ticket()},
+            prerequisites_of_calc={step.ticket(), self.xd_ticket()},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
@@ -80,11 +81,11 @@ class JointIntegrator(LeafSystem):
         context.SetDiscreteState(1, np.zeros(len(self._lower)))
 
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        q, step = context.get_discrete_state(0).value(), self._step.Eval(context)
+        q, step = context.get_discrete_state(0).value(), self._step(context)
         output[0] = all_finite(step) and is_limited(q, step, self._lower, self._upper)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
-        step = self._step.Eval(context)
+        step = self._step(context)
         if not all_finite(step):
             discrete_state.set_value(1, np.zeros_like(step))
             return

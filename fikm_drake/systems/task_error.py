@@ -45,17 +45,18 @@ class TaskError(LeafSystem):
         self._kinematics = ToolKinematics(plant, frame, Task(task))
         m = self._kinematics.task.size
         self._zeros = np.zeros(m)
-        self._desired = self.DeclareVectorInputPort("desired_position", m)
-        self._position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
+        desired = self.DeclareVectorInputPort("desired_position", m)
+        position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
+        self._desired, self._position = desired.Eval, position.Eval
         self.DeclareVectorOutputPort(
             "task_error",
             m,
             self._calc_error,
-            prerequisites_of_calc={self._desired.ticket(), self._position.ticket()},
+            prerequisites_of_calc={desired.ticket(), position.ticket()},
         )
         declare_valid_port(self)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
-        actual = self._kinematics.position(self._position.Eval(context))
-        error = self._desired.Eval(context) - actual
+        actual = self._kinematics.position(self._position(context))
+        error = self._desired(context) - actual
         output.set_value(error if all_finite(error) else self._zeros)

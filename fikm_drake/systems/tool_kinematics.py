@@ -14,7 +14,7 @@ from fikm_drake.laws.steps import all_finite
 
 Array = NDArray[np.float64]
 VELOCITY = JacobianWrtVariable.kV
-ORIGIN = np.zeros(3)
+ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 
 
 class ToolKinematics:
@@ -47,12 +47,11 @@ class ToolKinematics:
         self.task = task
         self._frame = _frame_by_name(plant, frame)
         self._world = plant.world_frame()
-        self._jacobian = plant.CalcJacobianSpatialVelocity
+        self._jacobian = plant.CalcJacobianTranslationalVelocity
         self._scratch = _Scratch(plant)
         first, last = min(task.coordinates), max(task.coordinates)
         step = max(last - first, 1) if task.size == 2 else 1
         self._coordinates = slice(first, last + 1, step)
-        self._rows = slice(3 + first, 3 + last + 1, step)
         self._no_position = np.full(task.size, np.nan)
         self._no_jacobian = np.full((task.size, self.num_joints), np.nan)
 
@@ -74,7 +73,7 @@ class ToolKinematics:
 
     def jacobian_range(self) -> Array:
         """Bounds of |J_ij| (m,n) over all joint positions, see `plant_jacobian_range`."""
-        return plant_jacobian_range(self.plant, self._frame)[self._rows]
+        return plant_jacobian_range(self.plant, self._frame)[3:][self._coordinates]
 
     def position(self, q: Array) -> Array:
         """The task coordinates (m) [m] of E's origin at `q` (n,)."""
@@ -91,7 +90,7 @@ class ToolKinematics:
         context = self._scratch.context
         self.plant.SetPositions(context, q)
         return self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)[
-            self._rows
+            self._coordinates
         ]
 
     def position_and_jacobian(self, q: Array) -> tuple[Array, Array]:
@@ -102,7 +101,7 @@ class ToolKinematics:
         self.plant.SetPositions(context, q)
         position = self._frame.CalcPoseInWorld(context).translation()
         J = self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)
-        return position[self._coordinates], J[self._rows]
+        return position[self._coordinates], J[self._coordinates]
 
 
 class _Scratch(threading.local):

@@ -42,18 +42,19 @@ class VariableGain(LeafSystem):
         check_sizes(size=size)
         self._limit = check_positive("limit", limit)
         self._zeros = np.zeros(size)
-        self._gain = self.DeclareVectorInputPort("gain", 1)
-        self._error = self.DeclareVectorInputPort("task_error", size)
+        gain = self.DeclareVectorInputPort("gain", 1)
+        error = self.DeclareVectorInputPort("task_error", size)
+        self._gain, self._error = gain.Eval, error.Eval
         self.DeclareVectorOutputPort(
             "amplified_error",
             size,
             self._calc,
-            prerequisites_of_calc={self._gain.ticket(), self._error.ticket()},
+            prerequisites_of_calc={gain.ticket(), error.ticket()},
         )
         declare_valid_port(self)
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        gain, error = self._gain.Eval(context), self._error.Eval(context)
+        gain, error = self._gain(context), self._error(context)
         size = length(error)
         if all_finite(gain) and isfinite(size):
             output.set_value(amplify(float(gain[0]), error, size, self._limit))

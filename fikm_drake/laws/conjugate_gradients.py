@@ -1,0 +1,55 @@
+"""Conjugate gradients for damped least squares, vectorised over leading axes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+TINY = 1e-200
+"""Squares below this are zero: their quotients would be noise or infinite."""
+
+
+def conjugate_gradients(S: Array, b: Array, iterations: int, damping: float = 0.0) -> Array:
+    """Minimise |S x − b|² + damping² |x|² by `iterations` steps of conjugate gradients from x = 0.
+
+    Each step is the best in the Krylov space so far: m steps, the number of rows, reach the
+    minimum in exact arithmetic, fewer give a regularised solution.
+
+    Args:
+        S: (…,m,n).
+        b: (…,m).
+        iterations: at least 1.
+        damping: in the unit of S; dimensionless for a scaled Jacobian, whose norm is at most 1.
+
+    Returns:
+        x, (…,n); zeros where the gradient Sᵀ b is zero.
+    """
+    ST = np.swapaxes(S, -1, -2)
+    damping *= damping
+    residual = b
+    gradient = _apply(ST, b)
+    x = np.zeros_like(gradient)
+    direction = gradient
+    size = _dot(gradient, gradient)
+    for k in range(iterations):
+        image = _apply(S, direction)
+        curvature = _dot(image, image) + damping * _dot(direction, direction)
+        # A gradient of rounding errors only leaves a curvature of zero: the minimum is reached.
+        step = np.divide(size, curvature, out=np.zeros_like(size), where=curvature > TINY)
+        x = x + step * direction
+        if k + 1 == iterations:
+            break
+        residual = residual - step * image
+        gradient = _apply(ST, residual) - damping * x
+        before, size = size, _dot(gradient, gradient)
+        ratio = np.divide(size, before, out=np.zeros_like(size), where=before > TINY)
+        direction = gradient + ratio * direction
+    return x
+
+
+def _apply(A: Array, x: Array) -> Array:
+    return (A @ x[..., None])[..., 0]
+
+
+def _dot(x: Array, y: Array) -> Array:
+    """Scalar products along the last axis, which is kept with length 1."""
+    return np.einsum("...i,...i->...", x, y)[..., None]
