@@ -17,8 +17,12 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
+from fikm_drake.laws.jacobian_transpose import JacobianTranspose
+from fikm_drake.laws.law import Law
+from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.resources import ConfigureParser
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
@@ -43,6 +47,7 @@ __all__ = [
     "AddFuzzyIkController",
     "ConfigureParser",
     "ControllerStatus",
+    "DampedLeastSquares",
     "DhArm",
     "DhJoint",
     "DhTable",
@@ -55,9 +60,12 @@ __all__ = [
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
+    "JacobianTranspose",
     "JointIntegrator",
+    "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
+    "PseudoInverse",
     "RuleBase",
     "SimulationStopped",
     "StatusMonitor",

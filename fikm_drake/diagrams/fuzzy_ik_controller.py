@@ -5,7 +5,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from fikm_drake.kinematics.task import Task
-from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.law import Law
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
@@ -58,7 +58,7 @@ class FuzzyIkController(Diagram):
         ValueError: naming the bad value and the valid ones.
     """
 
-    def __init__(self, plant: MultibodyPlant, *, law: FuzzyMapping, config: FuzzyIkConfig) -> None:
+    def __init__(self, plant: MultibodyPlant, *, law: Law, config: FuzzyIkConfig) -> None:
         super().__init__()
         config.validate()
         kinematics = ToolKinematics(plant, config.frame, Task(config.task))

@@ -1,12 +1,14 @@
 """The fuzzy inverse kinematic mapping: (J, dr) to a joint step (Xu & Nechyba 1993)."""
 
 from functools import cache
+from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.fuzzy.generate import generate_rule_base
 from fikm_drake.fuzzy.rule_base import RuleBase
+from fikm_drake.laws.conjugate_gradients import conjugate_gradients
 
 METHODS = ("indirect", "direct")
 
@@ -18,7 +20,8 @@ class FuzzyMapping:
 
     With row sums r_i = Σ_j |J_ij| and column sums c_j = Σ_i |J_ij| (equations 27, 28):
 
-    - `indirect` (equations 32-34): dθ_j = (1/c_j) Σ_i J_ij dr_i / r_i;
+    - `indirect` (equations 32-34): dθ_j = (1/c_j) Σ_i J_ij dr_i / r_i,
+      in matrices C⁻¹ Jᵀ R⁻¹ dr;
     - `direct` (equation 29): dθ_j = (1/c_j) Σ_i J_ij² dθ_ij / r_i, where dθ_ij comes from a generated
       rule base over (dr_i, J_ij). Rule bases are generated once for each distinct range of J_ij;
       dr_i is held to their universe.
@@ -27,8 +30,19 @@ class FuzzyMapping:
     exact test for zero fails in floating point: a column of rounding errors would be divided by
     its own size.
 
+    Past the paper, for `indirect`: it is the first of the steps that solve dr = J dθ on the scaled
+    Jacobian S = R^-½ J C^-½, whose norm is at most 1. `iterations` of conjugate gradients on S go
+    further with the same J: as many as J has rows reach the pseudo-inverse weighted by R and C.
+    `damping` is of S, so it has no unit. `row_floor` and `column_floor` raise the sums smoothly,
+    r_i to √(r_i² + (row_floor · max r)²): a direction in which the arm hardly moves is then pushed
+    in proportion, not by the sign of what is left of it, and the law is continuous at c_j = 0.
+
     Args:
         method: `indirect` or `direct`.
+        iterations: of conjugate gradients; 1 is the paper's law.
+        damping: of S [-], with `iterations` of 2 or more.
+        row_floor: fraction of the largest row sum [-]; 0 as in the paper.
+        column_floor: fraction of the largest column sum [-]; 0 as in the paper.
         zero_threshold: sums at or below this fraction of the largest row or column sum are zero [-].
         jacobian_range: bounds of |J_ij|, a number or (m,n), needed by `direct`:
             `arm.jacobian_range()[rows]`.
@@ -44,6 +58,10 @@ class FuzzyMapping:
         self,
         method: str = "indirect",
         *,
+        iterations: int = 1,
+        damping: float = 0.0,
+        row_floor: float = 0.0,
+        column_floor: float = 0.0,
         zero_threshold: float = 1e-9,
         jacobian_range: ArrayLike | None = None,
         dr_max: float = 0.1,
@@ -54,8 +72,25 @@ class FuzzyMapping:
             raise ValueError(f"method must be one of {METHODS}, got {method!r}")
         if not 0.0 <= zero_threshold < 1.0:
             raise ValueError(f"zero_threshold must be in [0, 1), got {zero_threshold!r}")
+        if not isinstance(iterations, int) or iterations < 1:
+            raise ValueError(f"iterations must be a positive integer, got {iterations!r}")
+        for name, value in (
+            ("damping", damping),
+            ("row_floor", row_floor),
+            ("column_floor", column_floor),
+        ):
+            if not (isfinite(value) and value >= 0.0):
+                raise ValueError(f"{name} must be finite and not negative, got {value!r}")
+        if damping and iterations < 2:
+            raise ValueError("damping needs iterations of 2 or more: the paper's law has none")
+        if method == "direct" and (iterations > 1 or row_floor or column_floor):
+            raise ValueError("iterations and floors are of method 'indirect', not of 'direct'")
         self.method = method
+        self.iterations = iterations
+        self.damping = float(damping)
+        self.row_floor, self.column_floor = float(row_floor), float(column_floor)
         self.zero_threshold = float(zero_threshold)
+        self._plain = iterations == 1 and not row_floor and not column_floor
         if method == "indirect":
             return
         if jacobian_range is None:
@@ -96,29 +131,36 @@ class FuzzyMapping:
         J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
         if J.ndim < 2 or dr.ndim < 1 or J.shape[-2] != dr.shape[-1]:
             raise ValueError(f"J must be (…, m, n) and dr (…, m), got {J.shape} and {dr.shape}")
-        if J.ndim == 2 and dr.ndim == 1 and self.method == "indirect":
-            return self.step(J, dr)
         A = np.abs(J)
-        rows, columns = A.sum(-1), A.sum(-2)
-        weighted = J if self.method == "indirect" else A * A * self._infer(dr, J)
-        scaled = _reciprocal(rows, self.zero_threshold)
-        if self.method == "indirect":
-            scaled = scaled * dr
-        pushes = (scaled[..., None, :] @ weighted)[..., 0, :]
-        return pushes * _reciprocal(columns, self.zero_threshold)
+        rows = self._reciprocal(A.sum(-1), self.row_floor)
+        columns = self._reciprocal(A.sum(-2), self.column_floor)
+        if self.method == "direct":
+            pushes = rows[..., None, :] @ (A * A * self._infer(dr, J))
+            return columns * pushes[..., 0, :]
+        if self.iterations == 1:
+            return columns * ((rows * dr)[..., None, :] @ J)[..., 0, :]
+        rows, columns = np.sqrt(rows), np.sqrt(columns)
+        S = rows[..., :, None] * J * columns[..., None, :]
+        return columns * conjugate_gradients(S, rows * dr, self.iterations, self.damping)
 
     def step(self, J: Array, dr: Array) -> Array:
         """As `mapping(J, dr)` for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
-        if self.method == "direct":
-            return self(J, dr)
-        A = np.abs(J)
-        m, n = A.shape
-        rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
-        sums = rows.tolist() + columns.tolist()
-        if min(sums) > self.zero_threshold * max(sums):  # no sum is zero: skip the search for it
-            return (dr / rows).dot(J) / columns
-        scaled = dr * _reciprocal(rows, self.zero_threshold)
-        return scaled.dot(J) * _reciprocal(columns, self.zero_threshold)
+        if self._plain and self.method == "indirect":
+            A = np.abs(J)
+            m, n = A.shape
+            rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
+            sums = rows.tolist() + columns.tolist()
+            if min(sums) > self.zero_threshold * max(sums):  # no sum is zero
+                return (dr / rows).dot(J) / columns
+        return self(J, dr)
+
+    def _reciprocal(self, sums: Array, floor: float) -> Array:
+        """1 / the sums (…,k), raised by the floor; 0 for those that are zero."""
+        largest = sums.max(axis=-1, keepdims=True)
+        if floor:
+            sums = np.hypot(sums, floor * largest)
+        zero = self.zero_threshold * largest
+        return np.divide(1.0, sums, out=np.zeros_like(sums), where=sums > zero)
 
     def _infer(self, dr: Array, J: Array) -> Array:
         """dθ_ij (…,m,n) of the rule bases (equation 19); zero where the range is zero."""
@@ -138,9 +180,3 @@ class FuzzyMapping:
 
 
 _ones = cache(np.ones)
-
-
-def _reciprocal(sums: Array, threshold: float) -> Array:
-    """1/sums, and 0 for those at or below `threshold` of the largest along the last axis."""
-    zero = threshold * sums.max(axis=-1, keepdims=True)
-    return np.divide(1.0, sums, out=np.zeros_like(sums), where=sums > zero)

@@ -26,7 +26,10 @@ def amplify(gain: float, error: Array, size: float, limit: float) -> Array:
 
 
 def low_pass(value: Signal, previous: Signal, smoothing: float) -> Signal:
-    """(1 − smoothing) · value + smoothing · previous (equations 30 and 31 with 2/3)."""
+    """(1 − smoothing) · value + smoothing · previous (equations 30 and 31 with 2/3).
+
+    In the order of Drake's LinearSystem, so that the fused block rounds as the Diagram does.
+    """
     return smoothing * previous + (1.0 - smoothing) * value
 
 

@@ -11,6 +11,7 @@ from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, Vector
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.law import Law
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
@@ -27,12 +28,16 @@ class SimulationStopped(RuntimeError):
 
 
 def simulate(
-    scenario: TrackingScenario, *, progress: Callable[[float], None] | None = None
+    scenario: TrackingScenario,
+    *,
+    law: Law | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> TrackingLog:
     """Build the Diagram of a scenario, run it in Drake's Simulator and return the log.
 
     Args:
         scenario: what to run.
+        law: another law in place of the scenario's fuzzy mapping; the log does not keep it.
         progress: called now and then with the fraction of the run that is done.
 
     Raises:
@@ -47,7 +52,7 @@ def simulate(
 
     builder = DiagramBuilder()
     desired = builder.AddNamedSystem("desired", TrajectorySource(scenario.trajectory()))
-    controller = AddFuzzyIkController(builder, plant, config=scenario.controller_config())
+    controller = AddFuzzyIkController(builder, plant, config=scenario.controller_config(), law=law)
     builder.Connect(desired.get_output_port(), controller.GetInputPort("desired_position"))
     period = 1.0 / scenario.control_rate
     sinks = {"desired": LogVectorOutput(desired.get_output_port(), builder, period)}

@@ -17,8 +17,8 @@ from pydrake.systems.framework import (
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.controller_status import controller_status
-from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.gain_supervision import GainSupervision
+from fikm_drake.laws.law import Law
 from fikm_drake.laws.steps import all_finite, amplify, integrate, is_limited, length, low_pass
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
@@ -73,7 +73,7 @@ class FusedFuzzyIk(LeafSystem):
         self,
         plant: MultibodyPlant,
         *,
-        law: FuzzyMapping,
+        law: Law,
         config: FuzzyIkConfig,
     ) -> None:
         super().__init__()

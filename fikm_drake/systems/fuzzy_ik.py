@@ -6,6 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.law import Law
 from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.checks import check_sizes
 from fikm_drake.systems.tool_kinematics import ToolKinematics
@@ -49,7 +50,7 @@ class FuzzyIk(LeafSystem):
         self,
         plant: MultibodyPlant,
         *,
-        law: FuzzyMapping | None = None,
+        law: Law | None = None,
         frame: str = "tool",
         task: str = "position",
         guard_size: int = 0,

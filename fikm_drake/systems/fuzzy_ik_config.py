@@ -24,7 +24,9 @@ class FuzzyIkConfig:
     fused: bool = False
     """One LeafSystem in place of the Diagram: the same results and ports at less cost."""
     measured_position: bool = False
-    """Take the joints from the port `estimated_position` in place of the command itself."""
+    """Take the joints from the port `estimated_position` in place of the command itself. Whatever
+    the robot is late by is then in the loop: one cycle's delay is stable for gains below 1 only, so
+    lower those of `supervisor` for a robot that is late."""
     error_limit: float = 0.2
     """A longer task error counts as this long [m], which bounds the first step to a far target;
     infinite (`.inf` in YAML): no limit, as in the paper."""
@@ -34,6 +36,15 @@ class FuzzyIkConfig:
     """Weight of the last gain in equation 30 [-]; 0: no filter."""
     error_smoothing: float = 2.0 / 3.0
     """Weight of the last error in equation 31 [-]; 0: no filter."""
+    iterations: int = 1
+    """Of conjugate gradients on the scaled Jacobian a cycle; 1: the paper's law, the number of task
+    coordinates: a pseudo-inverse."""
+    damping: float = 0.0
+    """Of the scaled Jacobian [-], with `iterations` of 2 or more."""
+    row_floor: float = 0.0
+    """Floor of the row sums as a fraction of the largest [-]; 0 as in the paper."""
+    column_floor: float = 0.0
+    """Floor of the column sums as a fraction of the largest [-]; 0 as in the paper."""
     zero_threshold: float = 1e-9
     """Row and column sums up to this fraction of the largest count as zero [-]."""
     supervisor: GainSupervisorConfig = field(default_factory=GainSupervisorConfig)

@@ -1,0 +1,22 @@
+"""The Jacobian transpose with the step length that is best along it."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class JacobianTranspose:
+    """dθ = α Jᵀ dr with the α that leaves the least |dr − J dθ|, a law `(J, dr) -> joint_step`."""
+
+    def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
+        """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""
+        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
+        direction = (dr[..., None, :] @ J)[..., 0, :]
+        image = (J @ direction[..., None])[..., 0]
+        along = (image * dr).sum(-1, keepdims=True)
+        square = (image * image).sum(-1, keepdims=True)
+        # At the dead point, Jᵀ dr = 0, there is no direction to go.
+        return direction * np.divide(along, square, out=np.zeros_like(along), where=square > 1e-200)
+
+    step = __call__

@@ -1,0 +1,18 @@
+"""What every differential-IK law offers."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class Law(Protocol):
+    """A pure function (J, dr) to a joint step; `FuzzyIk` and the controllers take any."""
+
+    def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
+        """The joint step (…,n) for a Jacobian (…,m,n) and a task error (…,m)."""
+
+    def step(self, J: Array, dr: Array) -> Array:
+        """The same for one (m,n) and one (m,), unchecked, for a control loop."""
