@@ -38,21 +38,6 @@ class _Design(NamedTuple):
     error: float
 
 
-def _solve_tridiagonal(
-    diagonal: NDArray[np.float64], beside: NDArray[np.float64], right: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Solves a symmetric positive definite tridiagonal system by elimination, shapes n, n-1, n."""
-    d, e, x = diagonal.tolist(), beside.tolist(), right.tolist()
-    for k in range(1, len(d)):
-        ratio = e[k - 1] / d[k - 1]
-        d[k] -= ratio * e[k - 1]
-        x[k] -= ratio * x[k - 1]
-    x[-1] /= d[-1]
-    for k in range(len(d) - 2, -1, -1):
-        x[k] = (x[k] - e[k] * x[k + 1]) / d[k]
-    return np.array(x)
-
-
 def _fit(knots: NDArray[np.float64]) -> _Design:
     """Fits the heights by least squares, reweighted a few times towards the mean absolute error."""
     s = np.arange(1, J_STEPS + 1) / J_STEPS
@@ -71,7 +56,9 @@ def _fit(knots: NDArray[np.float64]) -> _Design:
         beside = total(i, weights * low * high)
         right = total(i, weights * low) + total(i + 1, weights * high)
         diagonal += 1e-12 * diagonal.max()  # knots with no data between them
-        heights = _solve_tridiagonal(diagonal[1:], beside[1:-1], right[1:])
+        beside = beside[1:-1]
+        normal = np.diag(diagonal[1:]) + np.diag(beside, 1) + np.diag(beside, -1)
+        heights = np.linalg.solve(normal, right[1:])
         padded = np.concatenate([[0.0], heights])
         residual = np.abs(low * padded[i] + high * padded[i + 1] - 1.0)
         error = (1.0 + 2.0 * float(residual.sum())) * _FLOOR  # J = 0, and both halves

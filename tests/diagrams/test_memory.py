@@ -25,7 +25,9 @@ def resident():
 def moving_target():
     """A target that wanders for the whole run and is lost for none of it."""
     seconds = int((WARM + STEPS) / RATE) + 1
-    knots = [[0.4 + 0.1 * (k % 3), -0.5 + 0.1 * (k % 2), 0.3 - 0.1 * (k % 5)] for k in range(seconds)]
+    knots = [
+        [0.4 + 0.1 * (k % 3), -0.5 + 0.1 * (k % 2), 0.3 - 0.1 * (k % 5)] for k in range(seconds)
+    ]
     return PiecewisePolynomial.FirstOrderHold(list(range(seconds)), list(zip(*knots)))
 
 

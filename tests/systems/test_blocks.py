@@ -195,7 +195,10 @@ def test_what_is_not_finite_reaches_no_output_and_no_state(name, block, bad, dri
 def test_two_contexts_of_one_block_do_not_meet(name, block, drive, equal):
     rng = np.random.default_rng(0)
     inputs = [random_inputs(name, rng, 30) for _ in range(2)]
-    serial = [[driver.cycle(**i) for i in each] for driver, each in zip((drive(block), drive(block)), inputs)]
+    serial = [
+        [driver.cycle(**i) for i in each]
+        for driver, each in zip((drive(block), drive(block)), inputs)
+    ]
     drivers = drive(block), drive(block)
     interleaved = [[], []]
     for pair in zip(*inputs):
@@ -233,7 +236,10 @@ def test_evaluation_leaves_the_state_and_its_order_alone(name, block, drive):
 def test_threads_give_the_serial_results(name, block, drive, equal):
     rng = np.random.default_rng(2)
     inputs = [random_inputs(name, rng, 60) for _ in range(4)]
-    serial = [[driver.cycle(**i) for i in each] for driver, each in zip([drive(block) for _ in inputs], inputs)]
+    serial = [
+        [driver.cycle(**i) for i in each]
+        for driver, each in zip([drive(block) for _ in inputs], inputs)
+    ]
     drivers, results = [drive(block) for _ in inputs], [[] for _ in inputs]
     together = threading.Barrier(len(inputs))
 
@@ -292,14 +298,23 @@ def test_sizes_may_be_of_numpy(ports):
     [
         (lambda p: fd.GainSupervisor(3, 53, period=PERIOD), ["num_joints", "52", "53"]),
         (lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=-1.0), ["error_limit", "-1"]),
-        (lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=np.nan), ["error_limit", "nan"]),
+        (
+            lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=np.nan),
+            ["error_limit", "nan"],
+        ),
         (lambda p: fd.VariableGain(3, limit=0.0), ["limit", "0.0", "positive"]),
         (lambda p: fd.VariableGain(3, limit=np.nan), ["limit", "nan", "positive"]),
         (lambda p: fd.StatusMonitor(3, tolerance=0.0), ["tolerance", "0.0", "positive"]),
-        (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=1.0), ["smoothing", "1.0", "[0, 1)"]),
+        (
+            lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=1.0),
+            ["smoothing", "1.0", "[0, 1)"],
+        ),
         (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=-0.1), ["smoothing", "-0.1"]),
         (lambda p: fd.LowPassFilter(3, period=PERIOD, smoothing=np.nan), ["smoothing", "nan"]),
-        (lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan), ["initial_value", "nan"]),
+        (
+            lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan),
+            ["initial_value", "nan"],
+        ),
         (lambda p: fd.FuzzyIk(p, guard_size=-1), ["guard_size", "-1"]),
         (lambda p: fd.FuzzyIk(p, task="pose"), ["task", "pose", "position", "xy"]),
         (lambda p: fd.TaskError(p, task="yx"), ["task", "yx", "position", "xy"]),

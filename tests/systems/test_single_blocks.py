@@ -15,7 +15,15 @@ import fikm_drake as fd
 from fikm_drake.laws.controller_status import ControllerStatus, controller_status
 from fikm_drake.laws.steps import amplify
 
-AXES = {"position": [0, 1, 2], "xy": [0, 1], "xz": [0, 2], "yz": [1, 2], "x": [0], "y": [1], "z": [2]}
+AXES = {
+    "position": [0, 1, 2],
+    "xy": [0, 1],
+    "xz": [0, 2],
+    "yz": [1, 2],
+    "x": [0],
+    "y": [1],
+    "z": [2],
+}
 
 
 @pytest.mark.parametrize("task", AXES)
@@ -88,7 +96,9 @@ def test_a_nan_of_a_joint_beyond_the_frame_counts(plant, drive):
     """Joint 7 does not move link4, but an arm whose sensors fail must stop."""
     q = np.full(7, 0.3)
     q[6] = np.nan
-    outputs = drive(fd.TaskError(plant, frame="link4")).cycle(desired_position=np.ones(3), position=q)
+    outputs = drive(fd.TaskError(plant, frame="link4")).cycle(
+        desired_position=np.ones(3), position=q
+    )
     assert outputs["valid"] == 0 and not outputs["task_error"].any()
     outputs = drive(fd.FuzzyIk(plant, frame="link4")).cycle(task_error=np.ones(3), position=q)
     assert outputs["valid"] == 0 and not outputs["joint_step"].any()

@@ -1,0 +1,179 @@
+"""The controller's ports and configuration, as a Diagram and as one block."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import yaml
+from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+from pydrake.systems.framework import DiagramBuilder, System
+
+import fikm_drake as fd
+
+OUTPUTS = {
+    "commanded_position": 7,
+    "commanded_velocity": 7,
+    "joint_step": 7,
+    "task_error": 3,
+    "gain": 1,
+    "oscillating": 1,
+    "status": 1,
+}
+Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
+
+
+def config_of(**changes):
+    return fd.FuzzyIkConfig(**changes)
+
+
+@pytest.mark.parametrize("measured", [False, True])
+@pytest.mark.parametrize("task", ["position", "xz", "y"])
+def test_ports(plant, ports, fused, measured, task):
+    config = config_of(fused=fused, measured_position=measured, task=task)
+    builder = DiagramBuilder()
+    controller = fd.AddFuzzyIkController(builder, plant, config=config)
+    m = {"position": 3, "xz": 2, "y": 1}[task]
+    inputs = {"desired_position": m} | ({"estimated_position": 7} if measured else {})
+    assert ports(controller) == (inputs, OUTPUTS | {"task_error": m})
+    assert controller.get_name() == "fuzzy_ik_controller"
+    assert isinstance(controller, fd.FusedFuzzyIk if fused else fd.FuzzyIkController)
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured):
+    """The command comes from the state, so any loop may be closed around the controller."""
+    controller = fd.MakeFuzzyIkController(
+        plant, config=config_of(fused=fused, measured_position=measured)
+    )
+    for i in range(controller.num_input_ports()):
+        through = {name for j, name in enumerate(OUTPUTS) if controller.HasDirectFeedthrough(i, j)}
+        assert through == {"joint_step", "task_error", "gain", "status"}
+
+
+def test_the_docstring_begins_with_the_ports(plant, ports):
+    for fused, cls in ((False, fd.FuzzyIkController), (True, fd.FusedFuzzyIk)):
+        config = config_of(fused=fused, measured_position=True)
+        inputs, outputs = ports(fd.MakeFuzzyIkController(plant, config=config))
+        block = re.search(r"\.\. pydrake_system::\n\n((?: {8}.*\n)+)", cls.__doc__)
+        assert yaml.safe_load(block.group(1)) == {
+            "name": cls.__name__,
+            "input_ports": list(inputs),
+            "output_ports": list(outputs),
+        }
+    for name in [*inputs, *outputs]:
+        assert f"**{name}**" in fd.FuzzyIkController.__doc__
+
+
+def test_every_public_system_describes_its_ports():
+    """The others are in tests/systems."""
+    public = [getattr(fd, name) for name in fd.__all__]
+    systems = [x for x in public if isinstance(x, type) and issubclass(x, System)]
+    assert len(systems) == 9
+    for cls in systems:
+        assert ".. pydrake_system::" in cls.__doc__
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        fd.FuzzyIkConfig(),
+        fd.FuzzyIkConfig(method="direct", frame="arm7::tool", task="xy", control_rate=1000.0),
+        fd.FuzzyIkConfig(fused=True, measured_position=True, error_limit=np.inf, tolerance=1e-4),
+        fd.FuzzyIkConfig(gain_smoothing=0.0, error_smoothing=0.1, zero_threshold=0.0),
+        fd.FuzzyIkConfig(
+            supervisor=fd.GainSupervisorConfig(
+                12, [0.1, 0.5, 1.0], [1.0, 2.0, 3.0], [0.0, 0.1, 0.2], 3, 1e-9, 0.5
+            )
+        ),
+    ],
+)
+def test_config_survives_yaml(config, plant):
+    text = yaml_dump_typed(config)
+    assert yaml_load_typed(schema=fd.FuzzyIkConfig, data=text) == config
+    # All fields are written, so that a file tells what there is to set.
+    assert len(yaml.safe_load(text)) == len(vars(config))
+    fd.MakeFuzzyIkController(plant, config=config)
+
+
+def test_partial_yaml_keeps_the_defaults():
+    data = "{task: xy, error_limit: .inf, supervisor: {window: 12, gains: [1, 2, 3]}}"
+    expected = fd.FuzzyIkConfig(
+        task="xy",
+        error_limit=np.inf,
+        supervisor=fd.GainSupervisorConfig(window=12, gains=[1.0, 2.0, 3.0]),
+    )
+    assert yaml_load_typed(schema=fd.FuzzyIkConfig, data=data) == expected
+    base = fd.FuzzyIkConfig(control_rate=100.0, supervisor=fd.GainSupervisorConfig(window=7))
+    loaded = yaml_load_typed(schema=fd.FuzzyIkConfig, data="{task: y}", defaults=base)
+    assert loaded == replace(base, task="y")
+
+
+def test_two_configs_share_nothing():
+    one, other = fd.FuzzyIkConfig(), fd.FuzzyIkConfig()
+    one.supervisor.gains[0] = 9.0
+    assert other.supervisor.gains[0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"method": "fuzzy"}, ["method", "fuzzy", "indirect", "direct"]),
+        ({"task": "pose"}, ["task", "pose", "position", "xy"]),
+        ({"frame": "hand"}, ["frame", "hand", "tool", "link7"]),
+        ({"frame": "hand", "method": "direct"}, ["frame", "hand", "tool", "link7"]),
+        ({"control_rate": 0.0}, ["control_rate", "0.0", "positive"]),
+        ({"control_rate": -50.0}, ["control_rate", "-50.0", "positive"]),
+        ({"control_rate": np.nan}, ["control_rate", "nan"]),
+        ({"control_rate": np.inf}, ["control_rate", "inf"]),
+        ({"error_limit": 0.0}, ["error_limit", "0.0", "positive"]),
+        ({"error_limit": np.nan}, ["error_limit", "nan"]),
+        ({"tolerance": -1.0}, ["tolerance", "-1.0", "positive"]),
+        ({"gain_smoothing": 1.0}, ["gain_smoothing", "1.0", "[0, 1)"]),
+        ({"error_smoothing": -0.1}, ["error_smoothing", "-0.1", "[0, 1)"]),
+        ({"error_smoothing": np.nan}, ["error_smoothing", "nan"]),
+        ({"zero_threshold": 2.0}, ["zero_threshold", "2.0", "[0, 1)"]),
+        ({"supervisor": fd.GainSupervisorConfig(window=0)}, ["window", "0"]),
+        (
+            {"supervisor": fd.GainSupervisorConfig(error_breakpoints=[0.0, 0.0, 1.0])},
+            ["error_breakpoints", "0.0, 0.0"],
+        ),
+    ],
+)
+def test_errors_name_the_bad_value_and_the_valid_ones(plant, fused, changes, words):
+    with pytest.raises(ValueError) as error:
+        fd.MakeFuzzyIkController(plant, config=config_of(fused=fused, **changes))
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_set_positions(plant, fused):
+    builder = DiagramBuilder()
+    controller = fd.AddFuzzyIkController(builder, plant, config=config_of(fused=fused))
+    builder.ExportInput(controller.get_input_port())
+    diagram = builder.Build()
+    root = diagram.CreateDefaultContext()
+    own = controller.GetMyMutableContextFromRoot(root)
+    controller.SetPositions(own, Q0)
+    np.testing.assert_array_equal(controller.GetOutputPort("commanded_position").Eval(own), Q0)
+    for wrong in (Q0[:6], np.append(Q0, 0.0), np.full(7, np.nan)):
+        with pytest.raises(ValueError, match="joint position"):
+            controller.SetPositions(own, wrong)
+    with pytest.raises(RuntimeError):
+        controller.SetPositions(root, Q0)
+    np.testing.assert_array_equal(controller.GetOutputPort("commanded_position").Eval(own), Q0)
+
+
+def test_positions_outside_the_limits_are_refused(plant_with, fused):
+    plant = plant_with("panda")
+    controller = fd.MakeFuzzyIkController(plant, config=config_of(fused=fused))
+    with pytest.raises(ValueError, match="joint position 4"):
+        controller.SetPositions(controller.CreateDefaultContext(), np.zeros(7))
+
+
+def test_the_default_start_is_the_plant_s(plant_with, fused):
+    """Inside the limits, whatever the plant's defaults are."""
+    plant = plant_with("panda")
+    controller = fd.MakeFuzzyIkController(plant, config=config_of(fused=fused))
+    start = controller.GetOutputPort("commanded_position").Eval(controller.CreateDefaultContext())
+    np.testing.assert_array_equal(start, fd.load_arm("panda").default_position)
