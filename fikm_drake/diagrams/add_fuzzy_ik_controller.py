@@ -48,9 +48,10 @@ def AddFuzzyIkController(
 
 
 def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
-    bound = None
+    bounds = {}
     if config.method == "direct":
-        bound = ToolKinematics(plant, config.frame, Task(config.task)).jacobian_range()
+        kinematics = ToolKinematics(plant, config.frame, Task(config.task))
+        bounds["jacobian_range"] = kinematics.jacobian_range()
     return FuzzyMapping(
         config.method,
         iterations=config.iterations,
@@ -58,5 +59,5 @@ def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
         row_floor=config.row_floor,
         column_floor=config.column_floor,
         zero_threshold=config.zero_threshold,
-        jacobian_range=bound,
+        **bounds,
     )

@@ -44,8 +44,8 @@ class FuzzyMapping:
         row_floor: fraction of the largest row sum [-]; 0 as in the paper.
         column_floor: fraction of the largest column sum [-]; 0 as in the paper.
         zero_threshold: sums at or below this fraction of the largest row or column sum are zero [-].
-        jacobian_range: bounds of |J_ij|, a number or (m,n), needed by `direct`:
-            `arm.jacobian_range()[rows]`.
+        jacobian_range: bounds of |J_ij| for `direct`, a number or (m,n): for an arm
+            `arm.jacobian_range()[rows]`; by default the range of Table II.
         dr_max: universe of dr for `direct`, ±dr_max [m] (equation 13).
         max_error: mean inference error at which rule generation stops [rad] (section 2.5).
         generation: method of `generate_rule_base`, `least_squares` or `araki`.
@@ -63,7 +63,7 @@ class FuzzyMapping:
         row_floor: float = 0.0,
         column_floor: float = 0.0,
         zero_threshold: float = 1e-9,
-        jacobian_range: ArrayLike | None = None,
+        jacobian_range: ArrayLike = 1.5,
         dr_max: float = 0.1,
         max_error: float = 0.0013,
         generation: str = "least_squares",
@@ -93,10 +93,6 @@ class FuzzyMapping:
         self._plain = iterations == 1 and not row_floor and not column_floor
         if method == "indirect":
             return
-        if jacobian_range is None:
-            raise ValueError(
-                "method 'direct' needs jacobian_range, for example arm.jacobian_range()[3:]"
-            )
         self._range = np.array(jacobian_range, dtype=float)
         if not (np.isfinite(self._range).all() and (self._range >= 0).all()):
             raise ValueError(
@@ -126,7 +122,7 @@ class FuzzyMapping:
             (…,n) [rad or m].
 
         Raises:
-            ValueError: the shapes do not fit.
+            ValueError: the shapes do not fit, or |J_ij| exceeds the range of `direct`.
         """
         J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
         if J.ndim < 2 or dr.ndim < 1 or J.shape[-2] != dr.shape[-1]:
@@ -170,6 +166,10 @@ class FuzzyMapping:
             raise ValueError(
                 f"jacobian_range has shape {self._rounded.shape}, J has rows and columns {J.shape[-2:]}"
             ) from None
+        if (np.abs(J) > ranges * (1 + 1e-9) + 1e-9).any():
+            raise ValueError(
+                f"|J| reaches {np.abs(J).max():.4g}, beyond jacobian_range {self._range.tolist()}"
+            )
         dr = np.broadcast_to(dr[..., None], np.broadcast_shapes(dr.shape + (1,), J.shape))
         dtheta = np.zeros(dr.shape)
         J = np.broadcast_to(J, dr.shape)

@@ -305,6 +305,13 @@ def test_one_range_for_all_elements():
     np.testing.assert_allclose(law(J, dr), expected, rtol=1e-12)
 
 
+def test_the_range_of_table_2_is_the_default_and_is_not_left_silently():
+    law = fd.FuzzyMapping("direct")
+    assert list(law.rule_bases) == [1.5]
+    with pytest.raises(ValueError, match="1.6, beyond jacobian_range"):
+        law(np.array([[1.6, 0.1]]), np.array([0.05]))
+
+
 @pytest.mark.parametrize("generation", ["least_squares", "araki"])
 def test_rule_generation_can_be_chosen(generation):
     law = fd.FuzzyMapping("direct", jacobian_range=1.5, max_error=0.003, generation=generation)
@@ -320,7 +327,6 @@ def test_rule_generation_can_be_chosen(generation):
         ({"zero_threshold": -1e-9}, ["zero_threshold", "-1e-09", "[0, 1)"]),
         ({"zero_threshold": 1.0}, ["zero_threshold", "1.0", "[0, 1)"]),
         ({"zero_threshold": np.nan}, ["zero_threshold", "nan", "[0, 1)"]),
-        ({"method": "direct"}, ["jacobian_range", "arm.jacobian_range()"]),
         ({"method": "direct", "jacobian_range": [[-1.0]]}, ["jacobian_range", "-1.0", "negative"]),
         ({"method": "direct", "jacobian_range": np.inf}, ["jacobian_range", "inf", "limits"]),
         ({"method": "direct", "jacobian_range": 1.0, "dr_max": 0.0}, ["dr_max", "0.0", "positive"]),

@@ -7,6 +7,8 @@ import threading
 import numpy as np
 import pytest
 import yaml
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import SpatialInertia
 
 import fikm_drake as fd
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
@@ -341,8 +343,6 @@ BLOCKS_WITH_A_PLANT = [
 
 @pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
 def test_a_plant_must_be_finalized(make, arm7):
-    from pydrake.multibody.plant import MultibodyPlant
-
     plant = MultibodyPlant(0.0)
     fd.AddDhArm(plant, arm7)
     with pytest.raises(ValueError, match="finalized"):
@@ -351,9 +351,6 @@ def test_a_plant_must_be_finalized(make, arm7):
 
 @pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
 def test_a_plant_must_have_no_free_body(make, arm7):
-    from pydrake.multibody.plant import MultibodyPlant
-    from pydrake.multibody.tree import SpatialInertia
-
     plant = MultibodyPlant(0.0)
     instance = fd.AddDhArm(plant, arm7)
     plant.AddRigidBody("ball", instance, SpatialInertia.SolidSphereWithMass(1.0, 0.1))
@@ -364,8 +361,6 @@ def test_a_plant_must_have_no_free_body(make, arm7):
 
 @pytest.mark.parametrize("make", BLOCKS_WITH_A_PLANT)
 def test_a_plant_must_have_joints(make):
-    from pydrake.multibody.plant import MultibodyPlant
-
     plant = MultibodyPlant(0.0)
     plant.Finalize()
     with pytest.raises(ValueError, match="joints"):
