@@ -1,5 +1,7 @@
 """Factories of the fuzzy IK controller."""
 
+from typing import Any
+
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
@@ -48,7 +50,7 @@ def AddFuzzyIkController(
 
 
 def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
-    bounds = {}
+    bounds: dict[str, Any] = {}
     if config.method == "direct":
         kinematics = ToolKinematics(plant, config.frame, Task(config.task))
         bounds["jacobian_range"] = kinematics.jacobian_range()
