@@ -96,12 +96,12 @@ class JointIntegrator(LeafSystem):
 
 
 def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
-    """Lower and upper limits as arrays; ValueError unless they are vectors with lower < upper."""
+    """Lower and upper limits as arrays; ValueError unless they are vectors with lower ≤ upper."""
     lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
     if lower.ndim != 1 or lower.shape != upper.shape or not lower.size:
         raise ValueError(f"lower and upper must be (n,), got {lower.shape} and {upper.shape}")
-    if not (lower < upper).all():
-        raise ValueError(f"lower must be less than upper, got {lower.tolist()}, {upper.tolist()}")
+    if not (lower <= upper).all():
+        raise ValueError(f"lower must not exceed upper, got {lower.tolist()}, {upper.tolist()}")
     return lower, upper
 
 
