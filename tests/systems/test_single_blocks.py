@@ -188,7 +188,7 @@ def test_joint_integrator_velocity_is_the_derivative_of_the_position(drive):
     ("lower", "upper", "initial", "words"),
     [
         ([1.0], [-1.0], [0.0], ["lower", "[1.0]", "[-1.0]"]),
-        ([0.0], [0.0], [0.0], ["lower", "less"]),
+        ([0.1], [0.0], [0.0], ["lower", "exceed"]),
         ([np.nan], [1.0], [0.0], ["lower", "nan"]),
         ([-1.0, -1.0], [1.0], [0.0], ["lower", "(2,)", "(1,)"]),
         ([], [], [], ["lower", "(0,)"]),
