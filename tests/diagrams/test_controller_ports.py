@@ -1,5 +1,6 @@
 """The controller's ports and configuration, as a Diagram and as one block."""
 
+import inspect
 import re
 from dataclasses import replace
 
@@ -55,7 +56,7 @@ def test_the_docstring_begins_with_the_ports(plant, ports):
     for fused, cls in ((False, fd.FuzzyIkController), (True, fd.FusedFuzzyIk)):
         config = config_of(fused=fused, measured_position=True)
         inputs, outputs = ports(fd.MakeFuzzyIkController(plant, config=config))
-        block = re.search(r"\.\. pydrake_system::\n\n((?: {8}.*\n)+)", cls.__doc__)
+        block = re.search(r"\.\. pydrake_system::\n\n((?: {4}.*\n)+)", inspect.getdoc(cls))
         assert yaml.safe_load(block.group(1)) == {
             "name": cls.__name__,
             "input_ports": list(inputs),
