@@ -6,12 +6,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
-from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 
 def MakeFuzzyIkController(
@@ -52,7 +51,7 @@ def AddFuzzyIkController(
 def _make_law(plant: MultibodyPlant, config: FuzzyIkConfig) -> FuzzyMapping:
     bounds: dict[str, Any] = {}
     if config.method == "direct":
-        kinematics = ToolKinematics(plant, config.frame, Task(config.task))
+        kinematics = make_tool_kinematics(plant, config.frame, config.make_task())
         bounds["jacobian_range"] = kinematics.jacobian_range()
     return FuzzyMapping(
         config.method,

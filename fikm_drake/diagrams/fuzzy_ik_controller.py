@@ -4,7 +4,6 @@ from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
-from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.law import Law
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
@@ -13,7 +12,7 @@ from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
-from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.variable_gain import VariableGain
 
 
@@ -35,13 +34,14 @@ class FuzzyIkController(Diagram):
         - oscillating
         - status
 
-    - **desired_position** (m) [m]: target of the tool's origin, in the world frame.
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. For tasks with
+      orientation **desired_pose** is in its place, a RigidTransform X_WE.
     - **estimated_position** (n) [rad or m]: the measured joints; the port exists with
       `config.measured_position` only.
     - **commanded_position** (n) [rad or m]: from the state; set its start by `SetPositions`.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
     - **joint_step** (n) [rad or m]: dθ of this cycle, before the joint limits.
-    - **task_error** (m) [m]: desired minus actual, in the world frame.
+    - **task_error** (m) [m]: desired minus actual, in the world frame; see `TaskError`.
     - **gain** (1) [-]: K of Table I, before its filter.
     - **oscillating** (1): 1 while a joint oscillates, else 0.
     - **status** (1): a `ControllerStatus`.
@@ -61,14 +61,15 @@ class FuzzyIkController(Diagram):
     def __init__(self, plant: MultibodyPlant, *, law: Law, config: FuzzyIkConfig) -> None:
         super().__init__()
         config.validate()
-        kinematics = ToolKinematics(plant, config.frame, Task(config.task))
+        task = config.make_task()
+        kinematics = make_tool_kinematics(plant, config.frame, task)
         n, m = kinematics.num_joints, kinematics.task.size
         period = config.period
         limit = config.error_limit
 
         builder = DiagramBuilder()
         add = builder.AddNamedSystem
-        error = add("task_error", TaskError(plant, frame=config.frame, task=config.task))
+        error = add("task_error", TaskError(plant, frame=config.frame, task=task))
         supervisor = add(
             "gain_supervisor",
             GainSupervisor(m, n, period=period, config=config.supervisor, error_limit=limit),
@@ -88,7 +89,7 @@ class FuzzyIkController(Diagram):
         )
         ik = add(
             "fuzzy_ik",
-            FuzzyIk(plant, law=law, frame=config.frame, task=config.task, guard_size=m),
+            FuzzyIk(plant, law=law, frame=config.frame, task=task, guarded=True),
         )
         integrator = add(
             "joint_integrator",
@@ -118,8 +119,9 @@ class FuzzyIkController(Diagram):
         wire(integrator, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
 
-        builder.ExportInput(error.GetInputPort("desired_position"), "desired_position")
-        builder.ConnectInput("desired_position", ik.GetInputPort("guard"))
+        desired = "desired_pose" if task.turns else "desired_position"
+        builder.ExportInput(error.GetInputPort(desired), desired)
+        builder.ConnectInput(desired, ik.GetInputPort("guard"))
         if config.measured_position:
             builder.ExportInput(error.GetInputPort("position"), "estimated_position")
             builder.ConnectInput("estimated_position", ik.GetInputPort("position"))

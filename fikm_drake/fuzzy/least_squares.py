@@ -58,7 +58,7 @@ def _fit(knots: NDArray[np.float64]) -> _Design:
         diagonal += 1e-12 * diagonal.max()  # knots with no data between them
         beside = beside[1:-1]
         normal = np.diag(diagonal[1:]) + np.diag(beside, 1) + np.diag(beside, -1)
-        heights = np.linalg.solve(normal, right[1:])
+        heights = np.asarray(np.linalg.solve(normal, right[1:]), dtype=float)
         padded = np.concatenate([[0.0], heights])
         residual = np.abs(low * padded[i] + high * padded[i + 1] - 1.0)
         error = (1.0 + 2.0 * float(residual.sum())) * _FLOOR  # J = 0, and both halves

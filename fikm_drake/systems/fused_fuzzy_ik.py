@@ -15,14 +15,13 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.controller_status import controller_status
 from fikm_drake.laws.gain_supervision import GainSupervision
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.steps import all_finite, amplify, integrate, is_limited, length, low_pass
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
-from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 Array = NDArray[np.float64]
 
@@ -78,7 +77,7 @@ class FusedFuzzyIk(LeafSystem):
     ) -> None:
         super().__init__()
         config.validate()
-        self._kinematics = ToolKinematics(plant, config.frame, Task(config.task))
+        self._kinematics = make_tool_kinematics(plant, config.frame, config.make_task())
         self._law = law
         self._supervision = GainSupervision(config.supervisor)
         self._config = dataclasses.replace(config)
@@ -88,7 +87,7 @@ class FusedFuzzyIk(LeafSystem):
         n, m = self._kinematics.num_joints, self._kinematics.task.size
         self._no_error, self._hold = np.zeros(m), np.zeros(n)
 
-        self._desired = self.DeclareVectorInputPort("desired_position", m).Eval
+        self._desired = self._kinematics.declare_desired(self).Eval
         self._estimated = (
             self.DeclareVectorInputPort("estimated_position", n).Eval
             if config.measured_position
@@ -139,8 +138,7 @@ class FusedFuzzyIk(LeafSystem):
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
         config = self._config
         q = command if self._estimated is None else self._estimated(context)
-        actual, J = self._kinematics.position_and_jacobian(q)
-        error = self._desired(context) - actual
+        error, J = self._kinematics.error_and_jacobian(self._desired(context), q)
         size = length(error)
         valid = isfinite(size)
         if not valid:

@@ -8,9 +8,8 @@ from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_sizes
-from fikm_drake.systems.tool_kinematics import ToolKinematics
-from fikm_drake.systems.valid_port import declare_valid_port
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.systems.valid_port import declare_valid_port, is_finite
 
 
 class FuzzyIk(LeafSystem):
@@ -27,11 +26,10 @@ class FuzzyIk(LeafSystem):
         - joint_step
         - valid
 
-    - **task_error** (m) [m]: in the world frame, amplified and filtered as the user likes.
+    - **task_error** (m) [m]: as of `TaskError`, amplified and filtered as the user likes.
     - **position** (n) [rad or m]: the joints.
-    - **guard** (`guard_size`), only if that is not 0: a signal that must be finite too. The
-      controller wires the desired position to it, since the filters before `task_error` would let
-      the arm coast after it is lost.
+    - **guard**, only if `guarded`: the target, as of `TaskError`, which must be finite too; else the
+      filters before `task_error` would let the arm coast after the target is lost.
     - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
 
@@ -40,10 +38,10 @@ class FuzzyIk(LeafSystem):
         law: the mapping (J, dr) to a joint step; by default the paper's.
         frame: name of the tool's frame.
         task: the coordinates that count, see `Task`.
-        guard_size: size of `guard`; 0: there is no such port.
+        guarded: whether there is the port `guard`.
 
     Raises:
-        ValueError: `guard_size` is negative, or see `ToolKinematics` and `Task`.
+        ValueError: see `ToolKinematics` and `Task`.
     """
 
     def __init__(
@@ -52,13 +50,11 @@ class FuzzyIk(LeafSystem):
         *,
         law: Law | None = None,
         frame: str = "tool",
-        task: str = "position",
-        guard_size: int = 0,
+        task: str | Task = "position",
+        guarded: bool = False,
     ) -> None:
         super().__init__()
-        if guard_size:
-            check_sizes(guard_size=guard_size)
-        self._kinematics = ToolKinematics(plant, frame, Task(task))
+        self._kinematics = make_tool_kinematics(plant, frame, task)
         self._law = law or FuzzyMapping()
         n = self._kinematics.num_joints
         self._hold = np.zeros(n)
@@ -66,8 +62,8 @@ class FuzzyIk(LeafSystem):
         self._error = self.DeclareVectorInputPort("task_error", m).Eval
         self._position = self.DeclareVectorInputPort("position", n).Eval
         self._guard = None
-        if guard_size:
-            self._guard = self.DeclareVectorInputPort("guard", guard_size).Eval
+        if guarded:
+            self._guard = self._kinematics.declare_desired(self, "guard").Eval
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -78,7 +74,7 @@ class FuzzyIk(LeafSystem):
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
-        lost = self._guard is not None and not all_finite(self._guard(context))
+        lost = self._guard is not None and not is_finite(self._guard(context))
         if lost or not all_finite(error):
             output.set_value(self._hold)
             return

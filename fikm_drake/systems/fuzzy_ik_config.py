@@ -18,7 +18,9 @@ class FuzzyIkConfig:
     frame: str = "tool"
     """Name of the tool's frame in the plant; `instance::name` where several arms have one."""
     task: str = "position"
-    """The coordinates that count: `position`, or axes such as `xy`."""
+    """The coordinates that count: `position`, axes such as `xy`, `orientation` or `pose`."""
+    characteristic_length: float = 0.3
+    """For tasks with orientation: a turn of 1 rad counts as this much [m]."""
     control_rate: float = 50.0
     """Cycles a second [Hz]; the paper's 50."""
     fused: bool = False
@@ -55,11 +57,19 @@ class FuzzyIkConfig:
         """Of the control cycle [s]."""
         return 1.0 / self.control_rate
 
+    def make_task(self) -> Task:
+        """The task.
+
+        Raises:
+            ValueError: naming the bad value and the valid ones.
+        """
+        return Task(self.task, self.characteristic_length)
+
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
         if self.method not in METHODS:
             raise ValueError(f"method must be one of {METHODS}, got {self.method!r}")
-        Task(self.task)
+        self.make_task()
         if not (isfinite(self.control_rate) and self.control_rate > 0):
             raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
         for name in ("error_limit", "tolerance"):

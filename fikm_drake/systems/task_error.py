@@ -6,7 +6,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -23,10 +23,11 @@ class TaskError(LeafSystem):
         - task_error
         - valid
 
-    - **desired_position** (m) [m]: target of the tool's origin, in the world frame.
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. For tasks with
+      orientation **desired_pose** is in its place, a RigidTransform X_WE.
     - **position** (n) [rad or m]: the joints.
-    - **task_error** (m) [m]: desired minus actual, in the world frame; zeros while an input is not
-      finite.
+    - **task_error** (m) [m]: desired minus actual, in the world frame, rows [ω; v], a rotation as
+      angle times axis times the characteristic length; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
 
     Args:
@@ -39,13 +40,13 @@ class TaskError(LeafSystem):
     """
 
     def __init__(
-        self, plant: MultibodyPlant, *, frame: str = "tool", task: str = "position"
+        self, plant: MultibodyPlant, *, frame: str = "tool", task: str | Task = "position"
     ) -> None:
         super().__init__()
-        self._kinematics = ToolKinematics(plant, frame, Task(task))
+        self._kinematics = make_tool_kinematics(plant, frame, task)
         m = self._kinematics.task.size
         self._zeros = np.zeros(m)
-        desired = self.DeclareVectorInputPort("desired_position", m)
+        desired = self._kinematics.declare_desired(self)
         position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
         self._desired, self._position = desired.Eval, position.Eval
         self.DeclareVectorOutputPort(
@@ -57,6 +58,5 @@ class TaskError(LeafSystem):
         declare_valid_port(self)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
-        actual = self._kinematics.position(self._position(context))
-        error = self._desired(context) - actual
+        error = self._kinematics.error(self._desired(context), self._position(context))
         output.set_value(error if all_finite(error) else self._zeros)

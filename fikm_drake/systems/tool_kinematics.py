@@ -1,12 +1,14 @@
-"""Position and Jacobian of a tool point by Drake's MultibodyPlant, for the blocks."""
+"""Task error and Jacobian of a tool by Drake's MultibodyPlant, for the blocks."""
 
 import threading
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.multibody.parsing import GetScopedFrameByName
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
+from pydrake.systems.framework import InputPort, LeafSystem
 
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
@@ -18,16 +20,16 @@ ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 
 
 class ToolKinematics:
-    """Task coordinates and task Jacobian of the origin of a frame E, in the world frame.
+    """Error and Jacobian of the position of a frame E, in the world frame.
 
-    Every function depends on `q` only, from any thread: the plant's Context, which Drake needs as
-    scratch, is one for each thread, and its positions are set before each use. Where `q` is not
-    finite the answer is NaN: a plant ends the process if it is given such positions.
+    Every function depends on its arguments only, from any thread: the plant's Context, which Drake
+    needs as scratch, is one for each thread, and its positions are set before each use. Where `q`
+    is not finite the answer is NaN: a plant ends the process if it is given such positions.
 
     Args:
         plant: a finalized plant whose velocities are the rates of its positions.
         frame: name of E; `instance::name` where several model instances have such a frame.
-        task: the coordinates that count.
+        task: the coordinates that count; `ToolPoseKinematics` is for those with orientation.
 
     Raises:
         ValueError: the plant is not finalized, has positions with q̇ ≠ v or no joint, or has no or
@@ -47,13 +49,11 @@ class ToolKinematics:
         self.task = task
         self._frame = _frame_by_name(plant, frame)
         self._world = plant.world_frame()
-        self._jacobian = plant.CalcJacobianTranslationalVelocity
         self._scratch = _Scratch(plant)
-        first, last = min(task.coordinates), max(task.coordinates)
-        step = max(last - first, 1) if task.size == 2 else 1
-        self._coordinates = slice(first, last + 1, step)
-        self._no_position = np.full(task.size, np.nan)
+        self._no_error = np.full(task.size, np.nan)
         self._no_jacobian = np.full((task.size, self.num_joints), np.nan)
+        self._calc_jacobian = plant.CalcJacobianTranslationalVelocity
+        self._axes = _as_slice(task.coordinates)
 
     @property
     def lower(self) -> Array:
@@ -71,37 +71,45 @@ class ToolKinematics:
         q = self.plant.GetPositions(self.plant.CreateDefaultContext())
         return np.clip(q, self.lower, self.upper)
 
-    def jacobian_range(self) -> Array:
-        """Bounds of |J_ij| (m,n) over all joint positions, see `plant_jacobian_range`."""
-        return plant_jacobian_range(self.plant, self._frame)[3:][self._coordinates]
+    def declare_desired(self, system: LeafSystem, name: str = "desired_position") -> InputPort:
+        """Declare the input port for a target: a position (m) [m]."""
+        return system.DeclareVectorInputPort(name, self.task.size)
 
-    def position(self, q: Array) -> Array:
-        """The task coordinates (m) [m] of E's origin at `q` (n,)."""
+    def jacobian_range(self) -> Array:
+        """Bounds of the Jacobian's |J_ij| (m,n) over all joint positions."""
+        return plant_jacobian_range(self.plant, self._frame)[3:][self._axes]
+
+    def error(self, desired: Any, q: Array) -> Array:
+        """Desired minus actual (m,) [m] at `q` (n,); `desired` as from the port."""
         if not all_finite(q):
-            return self._no_position
-        context = self._scratch.context
-        self.plant.SetPositions(context, q)
-        return self._frame.CalcPoseInWorld(context).translation()[self._coordinates]
+            return self._no_error
+        return self._error(self._at(q), desired)
 
     def jacobian(self, q: Array) -> Array:
-        """The task Jacobian (m,n) of E's origin at `q` (n,)."""
+        """The task Jacobian (m,n) at `q` (n,)."""
         if not all_finite(q):
             return self._no_jacobian
-        context = self._scratch.context
-        self.plant.SetPositions(context, q)
-        return self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)[
-            self._coordinates
-        ]
+        return self._jacobian(self._at(q))
 
-    def position_and_jacobian(self, q: Array) -> tuple[Array, Array]:
+    def error_and_jacobian(self, desired: Any, q: Array) -> tuple[Array, Array]:
         """Both at once, cheaper than one after the other."""
         if not all_finite(q):
-            return self._no_position, self._no_jacobian
+            return self._no_error, self._no_jacobian
+        context = self._at(q)
+        return self._error(context, desired), self._jacobian(context)
+
+    def _at(self, q: Array) -> Any:
         context = self._scratch.context
         self.plant.SetPositions(context, q)
-        position = self._frame.CalcPoseInWorld(context).translation()
-        J = self._jacobian(context, VELOCITY, self._frame, ORIGIN, self._world, self._world)
-        return position[self._coordinates], J[self._coordinates]
+        return context
+
+    def _error(self, context: Any, desired: Array) -> Array:
+        return desired - self._frame.CalcPoseInWorld(context).translation()[self._axes]
+
+    def _jacobian(self, context: Any) -> Array:
+        world = self._world
+        J = self._calc_jacobian(context, VELOCITY, self._frame, ORIGIN, world, world)
+        return J[self._axes]
 
 
 class _Scratch(threading.local):
@@ -109,6 +117,12 @@ class _Scratch(threading.local):
 
     def __init__(self, plant: MultibodyPlant) -> None:
         self.context = plant.CreateDefaultContext()
+
+
+def _as_slice(axes: list[int]) -> slice:
+    """The axes as a slice, which costs a step less than a list."""
+    stride = axes[1] - axes[0] if len(axes) > 1 else 1
+    return slice(axes[0], axes[-1] + 1, stride) if axes else slice(0)
 
 
 def _frame_by_name(plant: MultibodyPlant, name: str) -> Frame:

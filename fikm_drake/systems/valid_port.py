@@ -1,8 +1,18 @@
 """The `valid` port that blocks share."""
 
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, OutputPort
 
 from fikm_drake.laws.steps import all_finite
+
+
+def is_finite(value: NDArray[np.float64] | RigidTransform) -> bool:
+    """True if no number of a port's vector or pose is NaN or infinite."""
+    if isinstance(value, RigidTransform):
+        return bool(np.isfinite(value.GetAsMatrix34()).all())
+    return all_finite(value)
 
 
 def declare_valid_port(system: LeafSystem) -> OutputPort:
@@ -13,7 +23,7 @@ def declare_valid_port(system: LeafSystem) -> OutputPort:
     ports = [system.get_input_port(i) for i in range(system.num_input_ports())]
 
     def calc(context: Context, output: BasicVector) -> None:
-        output[0] = float(all(all_finite(port.Eval(context)) for port in ports))
+        output[0] = float(all(is_finite(port.Eval(context)) for port in ports))
 
     return system.DeclareVectorOutputPort(
         "valid", 1, calc, prerequisites_of_calc={port.ticket() for port in ports}

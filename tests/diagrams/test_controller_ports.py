@@ -120,7 +120,7 @@ def test_two_configs_share_nothing():
     ("changes", "words"),
     [
         ({"method": "fuzzy"}, ["method", "fuzzy", "indirect", "direct"]),
-        ({"task": "pose"}, ["task", "pose", "position", "xy"]),
+        ({"task": "posture"}, ["task", "posture", "position", "xy", "pose"]),
         ({"frame": "hand"}, ["frame", "hand", "tool", "link7"]),
         ({"frame": "hand", "method": "direct"}, ["frame", "hand", "tool", "link7"]),
         ({"control_rate": 0.0}, ["control_rate", "0.0", "positive"]),

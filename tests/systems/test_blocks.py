@@ -21,7 +21,7 @@ MAKERS = {
     "GainSupervisor": lambda plant: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=0.2),
     "VariableGain": lambda plant: fd.VariableGain(3, limit=0.2),
     "LowPassFilter": lambda plant: fd.LowPassFilter(3, period=PERIOD),
-    "FuzzyIk": lambda plant: fd.FuzzyIk(plant, guard_size=3),
+    "FuzzyIk": lambda plant: fd.FuzzyIk(plant, guarded=True),
     "JointIntegrator": lambda plant: fd.JointIntegrator(
         -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
     ),
@@ -318,8 +318,7 @@ def test_sizes_may_be_of_numpy(ports):
             lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan),
             ["initial_value", "nan"],
         ),
-        (lambda p: fd.FuzzyIk(p, guard_size=-1), ["guard_size", "-1"]),
-        (lambda p: fd.FuzzyIk(p, task="pose"), ["task", "pose", "position", "xy"]),
+        (lambda p: fd.FuzzyIk(p, task="posture"), ["task", "posture", "position", "xy", "pose"]),
         (lambda p: fd.TaskError(p, task="yx"), ["task", "yx", "position", "xy"]),
         (lambda p: fd.TaskError(p, frame="hand"), ["frame", "hand", "link1", "link7", "tool"]),
         (lambda p: fd.FuzzyIk(p, frame=""), ["frame", "''", "link1", "link7", "tool"]),

@@ -84,10 +84,10 @@ def test_fuzzy_ik_takes_another_law(plant, arm7, drive):
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_fuzzy_ik_guard(plant, drive, bad):
     """The error is good still, filtered as it is, but what it comes from is lost."""
-    driver = drive(fd.FuzzyIk(plant, guard_size=2))
-    good = {"task_error": np.full(3, 0.01), "position": np.ones(7), "guard": np.zeros(2)}
+    driver = drive(fd.FuzzyIk(plant, guarded=True))
+    good = {"task_error": np.full(3, 0.01), "position": np.ones(7), "guard": np.zeros(3)}
     assert driver.cycle(**good)["joint_step"].any()
-    lost = driver.cycle(**good | {"guard": np.array([0.0, bad])})
+    lost = driver.cycle(**good | {"guard": np.array([0.0, bad, 0.0])})
     assert not lost["joint_step"].any() and lost["valid"] == 0
     assert fd.FuzzyIk(plant).num_input_ports() == 2
 
