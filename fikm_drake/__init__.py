@@ -5,8 +5,9 @@
     log = fd.simulate(fd.load_scenario("table6_10s"))
     print(log.metrics())
 
-Layers, each of which imports only those below it: `diagrams` and `simulation` over `systems` over
-`laws` over `kinematics` and `fuzzy`. Lengths are in metres, angles in radians, times in seconds.
+Layers, each of which imports only those below it: `experiments`, `simulation`, `diagrams`,
+`systems`, `laws` and `solvers`, `kinematics` and `fuzzy`. Lengths are in metres, angles in
+radians, times in seconds.
 """
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
@@ -30,6 +31,8 @@ from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
+from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
+from fikm_drake.solvers.solve_batch import solve_batch
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
@@ -46,6 +49,8 @@ __all__ = [
     "AddDhArm",
     "AddFuzzyIkController",
     "ConfigureParser",
+    "BatchSolution",
+    "BatchStatus",
     "ControllerStatus",
     "DampedLeastSquares",
     "DhArm",
@@ -80,5 +85,6 @@ __all__ = [
     "load_scenario",
     "plot_log",
     "simulate",
+    "solve_batch",
     "write_html",
 ]

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from fikm_drake.experiments.batch_benchmark import batch_benchmark
 from fikm_drake.experiments.papers import select
 from fikm_drake.experiments.step_benchmark import step_benchmark
 from fikm_drake.kinematics.load_arm import load_arm
@@ -88,6 +89,9 @@ def _parser() -> argparse.ArgumentParser:
     step = what.add_parser("step", help="CPU time of a control step beside Drake's")
     step.add_argument("--rounds", type=_count, default=20, help="times to follow the path (20)")
     step.set_defaults(run=_benchmark_step)
+    batch = what.add_parser("batch", help="poses in batch, beside roboticstoolbox where installed")
+    batch.add_argument("--rounds", type=_count, default=5, help="rounds of 1000 poses (5)")
+    batch.set_defaults(run=_benchmark_batch)
     return parser
 
 
@@ -194,6 +198,18 @@ def _benchmark_step(options: argparse.Namespace) -> int:
         print(
             f"  {cost.name:44s} {cost.microseconds:6.1f} µs"
             f"  {cost.to_usual:5.2f}  {cost.to_least:5.2f}"
+        )
+    return OK
+
+
+def _benchmark_batch(options: argparse.Namespace) -> int:
+    costs = batch_benchmark(rounds=options.rounds, progress=_progress())
+    print("random reachable poses from a home posture, within 1 mm and 0.5°, time a pose (median)")
+    for cost in costs:
+        limits = "inside limits" if cost.limits else "limits ignored"
+        print(
+            f"  {cost.arm:8s} {limits:15s} {cost.solver:24s} {cost.success:7.2f} %"
+            f"  {cost.microseconds:6.1f} µs  {cost.cycles:4.0f} cycles"
         )
     return OK
 

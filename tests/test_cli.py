@@ -1,5 +1,6 @@
 """The command: what it prints, what it writes, what it exits with."""
 
+import functools
 import re
 import subprocess
 import sys
@@ -198,3 +199,12 @@ def test_python_m_runs_the_command():
         [sys.executable, "-m", "fikm_drake.cli", "urdf", "nope"], capture_output=True, timeout=120
     )
     assert done.returncode == 2
+
+
+def test_benchmark_batch_prints_success_and_time(capsys, monkeypatch):
+    small = functools.partial(cli.batch_benchmark, targets=20)
+    monkeypatch.setattr(cli, "batch_benchmark", small)
+    assert cli.main(["benchmark", "batch", "--rounds", "1"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count("fikm_drake solve_batch") == 4
+    assert "100.00 %" in printed and "inside limits" in printed
