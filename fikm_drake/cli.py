@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fikm_drake.experiments.batch_benchmark import batch_benchmark
 from fikm_drake.experiments.papers import select
+from fikm_drake.experiments.pose_benchmark import pose_benchmark
 from fikm_drake.experiments.step_benchmark import step_benchmark
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.controller_status import ControllerStatus
@@ -89,6 +90,9 @@ def _parser() -> argparse.ArgumentParser:
     step = what.add_parser("step", help="CPU time of a control step beside Drake's")
     step.add_argument("--rounds", type=_count, default=20, help="times to follow the path (20)")
     step.set_defaults(run=_benchmark_step)
+    poses = what.add_parser("poses", help="poses reached in the loop, calm out of reach")
+    poses.add_argument("--poses", type=_count, default=60, help="random poses (60)")
+    poses.set_defaults(run=_benchmark_poses)
     batch = what.add_parser("batch", help="poses in batch, beside roboticstoolbox where installed")
     batch.add_argument("--rounds", type=_count, default=5, help="rounds of 1000 poses (5)")
     batch.set_defaults(run=_benchmark_batch)
@@ -210,6 +214,17 @@ def _benchmark_batch(options: argparse.Namespace) -> int:
         print(
             f"  {cost.arm:8s} {limits:15s} {cost.solver:24s} {cost.success:7.2f} %"
             f"  {cost.microseconds:6.1f} µs  {cost.cycles:4.0f} cycles"
+        )
+    return OK
+
+
+def _benchmark_poses(options: argparse.Namespace) -> int:
+    results = pose_benchmark(poses=options.poses, progress=_progress())
+    print("iiwa14 in the loop, 6 s a pose at 100 Hz, 1 mm and 0.01 rad; then a pose out of reach")
+    for result in results:
+        print(
+            f"  {result.name:26s} {result.reached:3d} of {result.poses} poses,"
+            f" out of reach {result.unrest:.2g} rad/s rms"
         )
     return OK
 

@@ -208,3 +208,10 @@ def test_benchmark_batch_prints_success_and_time(capsys, monkeypatch):
     printed = capsys.readouterr().out
     assert printed.count("fikm_drake solve_batch") == 4
     assert "100.00 %" in printed and "inside limits" in printed
+
+
+def test_benchmark_poses_prints_each_law(capsys):
+    assert cli.main(["benchmark", "poses", "--poses", "1"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count(" of 1 poses") == 4
+    assert "damped least squares" in printed and "rad/s rms" in printed

@@ -89,7 +89,15 @@ class FuzzyIkController(Diagram):
         )
         ik = add(
             "fuzzy_ik",
-            FuzzyIk(plant, law=law, frame=config.frame, task=task, guarded=True),
+            FuzzyIk(
+                plant,
+                law=law,
+                frame=config.frame,
+                task=task,
+                guarded=True,
+                longest_step=config.longest_step,
+                side_step=config.side_step,
+            ),
         )
         integrator = add(
             "joint_integrator",

@@ -25,6 +25,13 @@ def check_positive(name: str, value: float) -> float:
     return float(value)
 
 
+def check_not_negative(name: str, value: float) -> float:
+    """The value; ValueError unless it is finite and not negative."""
+    if not (isfinite(value) and value >= 0.0):
+        raise ValueError(f"{name} must be finite and not negative, got {value!r}")
+    return float(value)
+
+
 def check_smoothing(smoothing: float) -> float:
     """The smoothing [-]; ValueError unless 0 ≤ smoothing < 1."""
     if not 0.0 <= smoothing < 1.0:

@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from math import isfinite
+from math import isfinite, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +18,8 @@ from pydrake.systems.framework import (
 from fikm_drake.laws.controller_status import controller_status
 from fikm_drake.laws.gain_supervision import GainSupervision
 from fikm_drake.laws.law import Law
-from fikm_drake.laws.steps import all_finite, amplify, integrate, is_limited, length, low_pass
+from fikm_drake.laws.side_step import is_dead_point, leave_dead_point
+from fikm_drake.laws.steps import amplify, integrate, is_limited, length, low_pass
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
@@ -149,8 +150,18 @@ class FusedFuzzyIk(LeafSystem):
         amplified = amplify(filtered_gain, error, size, limit)
         filtered_error = low_pass(amplified, filters[1:], config.error_smoothing)
         step = self._law.step(J, filtered_error) if valid else self._hold
-        if not all_finite(step):
+        step_size = step.dot(step)
+        if not isfinite(step_size):
             step = self._hold
+        elif step_size > config.longest_step**2:
+            step = step * (config.longest_step / sqrt(step_size))
+        elif (
+            valid
+            and config.side_step
+            and is_dead_point(step_size, filtered_error.dot(filtered_error))
+        ):
+            jacobian = self._kinematics.jacobian
+            step = leave_dead_point(jacobian, q, filtered_error, config.side_step)
         return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:

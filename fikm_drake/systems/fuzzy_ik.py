@@ -1,5 +1,7 @@
 """The differential-IK block: a task error in, a joint step out."""
 
+from math import inf, isfinite, sqrt
+
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
@@ -7,7 +9,8 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
-from fikm_drake.laws.steps import all_finite
+from fikm_drake.laws.side_step import is_dead_point, leave_dead_point
+from fikm_drake.systems.checks import check_not_negative, check_positive
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port, is_finite
 
@@ -39,6 +42,9 @@ class FuzzyIk(LeafSystem):
         frame: name of the tool's frame.
         task: the coordinates that count, see `Task`.
         guarded: whether there is the port `guard`.
+        longest_step: a longer joint step is shortened to this length [rad or m].
+        side_step: largest joint motion of the step that leaves a dead point, see `laws.side_step`
+            [rad or m]; 0: the arm stays there.
 
     Raises:
         ValueError: see `ToolKinematics` and `Task`.
@@ -52,10 +58,14 @@ class FuzzyIk(LeafSystem):
         frame: str = "tool",
         task: str | Task = "position",
         guarded: bool = False,
+        longest_step: float = inf,
+        side_step: float = 0.0,
     ) -> None:
         super().__init__()
         self._kinematics = make_tool_kinematics(plant, frame, task)
         self._law = law or FuzzyMapping()
+        self._longest_step = check_positive("longest_step", longest_step)
+        self._side_step = check_not_negative("side_step", side_step)
         n = self._kinematics.num_joints
         self._hold = np.zeros(n)
         m = self._kinematics.task.size
@@ -74,9 +84,18 @@ class FuzzyIk(LeafSystem):
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
+        size = error.dot(error)
         lost = self._guard is not None and not is_finite(self._guard(context))
-        if lost or not all_finite(error):
+        if lost or not isfinite(size):
             output.set_value(self._hold)
             return
-        step = self._law.step(self._kinematics.jacobian(self._position(context)), error)
-        output.set_value(step if all_finite(step) else self._hold)
+        q = self._position(context)
+        step = self._law.step(self._kinematics.jacobian(q), error)
+        step_size = step.dot(step)
+        if not isfinite(step_size):
+            step = self._hold
+        elif step_size > self._longest_step**2:
+            step = step * (self._longest_step / sqrt(step_size))
+        elif self._side_step and is_dead_point(step_size, size):
+            step = leave_dead_point(self._kinematics.jacobian, q, error, self._side_step)
+        output.set_value(step)

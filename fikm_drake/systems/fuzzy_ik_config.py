@@ -32,6 +32,13 @@ class FuzzyIkConfig:
     error_limit: float = 0.2
     """A longer task error counts as this long [m], which bounds the first step to a far target;
     infinite (`.inf` in YAML): no limit, as in the paper."""
+    longest_step: float = 0.5
+    """A longer joint step of a cycle is shortened to this length [rad or m]. The paper's law stays
+    far below; `iterations` near a singular posture need it."""
+    side_step: float = 0.0
+    """Largest joint motion of a step that leaves a dead point, such as a stretched arm whose target
+    lies straight inward [rad or m]; 0.1 is good. 0: the arm stays there, as in the paper. Near a
+    target that is out of reach, steps can be repeated for ever."""
     tolerance: float = 1e-3
     """A task error up to this counts as converged [m]."""
     gain_smoothing: float = 2.0 / 3.0
@@ -72,9 +79,11 @@ class FuzzyIkConfig:
         self.make_task()
         if not (isfinite(self.control_rate) and self.control_rate > 0):
             raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
-        for name in ("error_limit", "tolerance"):
+        for name in ("error_limit", "tolerance", "longest_step"):
             if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive [m], got {getattr(self, name)!r}")
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)!r}")
+        if not (isfinite(self.side_step) and self.side_step >= 0):
+            raise ValueError(f"side_step must not be negative, got {self.side_step!r}")
         for name in ("gain_smoothing", "error_smoothing"):
             if not 0 <= getattr(self, name) < 1:
                 raise ValueError(f"{name} must be in [0, 1), got {getattr(self, name)!r}")
