@@ -90,7 +90,9 @@ class FuzzyMapping:
         self.damping = float(damping)
         self.row_floor, self.column_floor = float(row_floor), float(column_floor)
         self.zero_threshold = float(zero_threshold)
-        self._plain = iterations == 1 and not row_floor and not column_floor
+        self._plain = (
+            method == "indirect" and iterations == 1 and not row_floor and not column_floor
+        )
         if method == "indirect":
             return
         self._range = np.array(jacobian_range, dtype=float)
@@ -141,7 +143,7 @@ class FuzzyMapping:
 
     def step(self, J: Array, dr: Array) -> Array:
         """As `mapping(J, dr)` for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
-        if self._plain and self.method == "indirect":
+        if self._plain:
             A = np.abs(J)
             m, n = A.shape
             rows, columns = A.dot(_ones(n)), _ones(m).dot(A)

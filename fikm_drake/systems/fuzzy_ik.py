@@ -12,7 +12,7 @@ from fikm_drake.laws.law import Law
 from fikm_drake.laws.side_step import is_dead_point, leave_dead_point
 from fikm_drake.systems.checks import check_not_negative, check_positive
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
-from fikm_drake.systems.valid_port import declare_valid_port, is_finite
+from fikm_drake.systems.valid_port import declare_valid_port
 
 
 class FuzzyIk(LeafSystem):
@@ -85,7 +85,7 @@ class FuzzyIk(LeafSystem):
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
         size = error.dot(error)
-        lost = self._guard is not None and not is_finite(self._guard(context))
+        lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
         if lost or not isfinite(size):
             output.set_value(self._hold)
             return

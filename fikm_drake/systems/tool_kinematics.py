@@ -52,6 +52,9 @@ class ToolKinematics:
         self._scratch = _Scratch(plant)
         self._no_error = np.full(task.size, np.nan)
         self._no_jacobian = np.full((task.size, self.num_joints), np.nan)
+        # Bound methods, looked up once.
+        self._set_positions = plant.SetPositions
+        self._calc_pose = self._frame.CalcPoseInWorld
         self._calc_jacobian = plant.CalcJacobianTranslationalVelocity
         self._axes = _as_slice(task.coordinates)
 
@@ -75,6 +78,10 @@ class ToolKinematics:
         """Declare the input port for a target: a position (m) [m]."""
         return system.DeclareVectorInputPort(name, self.task.size)
 
+    def is_finite(self, desired: Any) -> bool:
+        """True if no number of a target is NaN or infinite."""
+        return all_finite(desired)
+
     def jacobian_range(self) -> Array:
         """Bounds of the Jacobian's |J_ij| (m,n) over all joint positions."""
         return plant_jacobian_range(self.plant, self._frame)[3:][self._axes]
@@ -83,28 +90,28 @@ class ToolKinematics:
         """Desired minus actual (m,) [m] at `q` (n,); `desired` as from the port."""
         if not all_finite(q):
             return self._no_error
-        return self._error(self._at(q), desired)
+        context = self._scratch.context
+        self._set_positions(context, q)
+        return self._error(context, desired)
 
     def jacobian(self, q: Array) -> Array:
         """The task Jacobian (m,n) at `q` (n,)."""
         if not all_finite(q):
             return self._no_jacobian
-        return self._jacobian(self._at(q))
+        context = self._scratch.context
+        self._set_positions(context, q)
+        return self._jacobian(context)
 
     def error_and_jacobian(self, desired: Any, q: Array) -> tuple[Array, Array]:
         """Both at once, cheaper than one after the other."""
         if not all_finite(q):
             return self._no_error, self._no_jacobian
-        context = self._at(q)
+        context = self._scratch.context
+        self._set_positions(context, q)
         return self._error(context, desired), self._jacobian(context)
 
-    def _at(self, q: Array) -> Any:
-        context = self._scratch.context
-        self.plant.SetPositions(context, q)
-        return context
-
     def _error(self, context: Any, desired: Array) -> Array:
-        return desired - self._frame.CalcPoseInWorld(context).translation()[self._axes]
+        return desired - self._calc_pose(context).translation()[self._axes]
 
     def _jacobian(self, context: Any) -> Array:
         world = self._world

@@ -12,6 +12,7 @@ from pydrake.systems.framework import InputPort, LeafSystem
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
 from fikm_drake.systems.tool_kinematics import ORIGIN, VELOCITY, ToolKinematics
+from fikm_drake.systems.valid_port import is_finite
 
 Array = NDArray[np.float64]
 
@@ -35,14 +36,18 @@ class ToolPoseKinematics(ToolKinematics):
         """Declare the input port for a target: a RigidTransform X_WE."""
         return system.DeclareAbstractInputPort(name, Value(RigidTransform()))
 
+    def is_finite(self, desired: RigidTransform) -> bool:
+        """True if no number of a target is NaN or infinite."""
+        return is_finite(desired)
+
     def jacobian_range(self) -> Array:
         """Bounds of the Jacobian's |J_ij| (m,n) over all joint positions."""
         return plant_jacobian_range(self.plant, self._frame)[: self._size] * self._scale[:, None]
 
     def _error(self, context: Any, desired: RigidTransform) -> Array:
-        if not np.isfinite(desired.GetAsMatrix34()).all():
+        if not is_finite(desired):
             return self._no_error
-        X_WE = self._frame.CalcPoseInWorld(context)
+        X_WE = self._calc_pose(context)
         turn = desired.rotation().multiply(X_WE.rotation().inverse()).ToAngleAxis()
         rotation = self._length * turn.angle() * turn.axis()
         return np.concatenate([rotation, desired.translation() - X_WE.translation()])[: self._size]
