@@ -2,7 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
-from math import isfinite, sqrt
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +18,10 @@ from pydrake.systems.framework import (
 from fikm_drake.laws.controller_status import controller_status
 from fikm_drake.laws.gain_supervision import GainSupervision
 from fikm_drake.laws.law import Law
-from fikm_drake.laws.side_step import is_dead_point, leave_dead_point
+from fikm_drake.laws.safe_step import safe_step
 from fikm_drake.laws.steps import amplify, integrate, is_limited, length, low_pass
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.systems.joint_integrator import check_position
+from fikm_drake.systems.joint_integrator import check_position, set_command
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 Array = NDArray[np.float64]
@@ -116,9 +116,7 @@ class FusedFuzzyIk(LeafSystem):
             ValueError: naming the bad value.
             RuntimeError: the context is another system's.
         """
-        self.ValidateContext(context)
-        context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
-        context.SetDiscreteState(1, np.zeros(len(self._lower)))
+        set_command(self, context, check_position(position, self._lower, self._upper))
 
     def _declare_output(self, name: str, size: int, pick: Callable[..., Array | float]) -> None:
         """An output picked from (cycle, command, memory), computed when somebody asks."""
@@ -149,19 +147,11 @@ class FusedFuzzyIk(LeafSystem):
         filtered_gain = low_pass(gain, float(filters[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, limit)
         filtered_error = low_pass(amplified, filters[1:], config.error_smoothing)
-        step = self._law.step(J, filtered_error) if valid else self._hold
-        step_size = step.dot(step)
-        if not isfinite(step_size):
-            step = self._hold
-        elif step_size > config.longest_step**2:
-            step = step * (config.longest_step / sqrt(step_size))
-        elif (
-            valid
-            and config.side_step
-            and is_dead_point(step_size, filtered_error.dot(filtered_error))
-        ):
+        step = self._hold
+        if valid:
             jacobian = self._kinematics.jacobian
-            step = leave_dead_point(jacobian, q, filtered_error, config.side_step)
+            longest, aside = config.longest_step, config.side_step
+            step = safe_step(self._law, jacobian, q, J, filtered_error, longest, aside)
         return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:

@@ -1,6 +1,6 @@
 """The differential-IK block: a task error in, a joint step out."""
 
-from math import inf, isfinite, sqrt
+from math import inf
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -9,7 +9,8 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
-from fikm_drake.laws.side_step import is_dead_point, leave_dead_point
+from fikm_drake.laws.safe_step import safe_step
+from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.checks import check_not_negative, check_positive
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port
@@ -84,18 +85,13 @@ class FuzzyIk(LeafSystem):
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
-        size = error.dot(error)
         lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
-        if lost or not isfinite(size):
+        if lost or not all_finite(error):
             output.set_value(self._hold)
             return
-        q = self._position(context)
-        step = self._law.step(self._kinematics.jacobian(q), error)
-        step_size = step.dot(step)
-        if not isfinite(step_size):
-            step = self._hold
-        elif step_size > self._longest_step**2:
-            step = step * (self._longest_step / sqrt(step_size))
-        elif self._side_step and is_dead_point(step_size, size):
-            step = leave_dead_point(self._kinematics.jacobian, q, error, self._side_step)
-        output.set_value(step)
+        q, jacobian = self._position(context), self._kinematics.jacobian
+        output.set_value(
+            safe_step(
+                self._law, jacobian, q, jacobian(q), error, self._longest_step, self._side_step
+            )
+        )

@@ -76,9 +76,7 @@ class JointIntegrator(LeafSystem):
             ValueError: naming the bad value.
             RuntimeError: the context is another system's.
         """
-        self.ValidateContext(context)
-        context.SetDiscreteState(0, check_position(position, self._lower, self._upper))
-        context.SetDiscreteState(1, np.zeros(len(self._lower)))
+        set_command(self, context, check_position(position, self._lower, self._upper))
 
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
         q, step = context.get_discrete_state(0).value(), self._step(context)
@@ -93,6 +91,17 @@ class JointIntegrator(LeafSystem):
         after = integrate(position, step, self._lower, self._upper)
         discrete_state.set_value(1, (after - position) * self._rate)
         position[:] = after
+
+
+def set_command(system: LeafSystem, context: Context, position: Array) -> None:
+    """Set a block's command, which is the first of its discrete states, at rest: the second.
+
+    Raises:
+        RuntimeError: the context is another system's.
+    """
+    system.ValidateContext(context)
+    context.SetDiscreteState(0, position)
+    context.SetDiscreteState(1, np.zeros(len(position)))
 
 
 def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
