@@ -72,9 +72,7 @@ def _text(value: Value) -> str:
         return "-"
     if isinstance(value, str):
         return value
-    if isinstance(value, int) or value == int(value) and abs(value) >= 10:
-        return f"{value:.0f}"
-    return f"{value:.4f}" if abs(value) < 0.1 and value else f"{value:.3f}"
+    return str(value) if isinstance(value, int) else f"{value:.4g}"
 
 
 def _verdict(cell: Cell) -> str:

@@ -41,4 +41,4 @@ def test_reproduce_writes_pictures(tmp_path, capsys):
     folder = tmp_path / "new" / "pictures"
     assert cli.main(["reproduce", "all", "--table", "1", "--pictures", str(folder)]) == 0
     assert [p.name for p in folder.iterdir()] == ["figures_6_7.png"]
-    assert "2.600" in capsys.readouterr().out
+    assert "2.6" in capsys.readouterr().out
