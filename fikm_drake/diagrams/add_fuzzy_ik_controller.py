@@ -28,7 +28,6 @@ def MakeFuzzyIkController(
         ValueError: naming the bad value and the valid ones.
     """
     config = config or FuzzyIkConfig()
-    config.validate()
     controller = FusedFuzzyIk if config.fused else FuzzyIkController
     return controller(plant, law=law or _make_law(plant, config), config=config)
 

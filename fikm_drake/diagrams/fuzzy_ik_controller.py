@@ -127,9 +127,9 @@ class FuzzyIkController(Diagram):
         wire(integrator, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
 
-        desired = "desired_pose" if task.turns else "desired_position"
-        builder.ExportInput(error.GetInputPort(desired), desired)
-        builder.ConnectInput(desired, ik.GetInputPort("guard"))
+        desired = error.get_input_port(0)  # desired_position or desired_pose
+        builder.ExportInput(desired, desired.get_name())
+        builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
         if config.measured_position:
             builder.ExportInput(error.GetInputPort("position"), "estimated_position")
             builder.ConnectInput("estimated_position", ik.GetInputPort("position"))

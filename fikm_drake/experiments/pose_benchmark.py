@@ -8,14 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
-from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.law import Law
+from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 ARM, HOME = "iiwa14", (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
@@ -80,26 +81,24 @@ def pose_benchmark(
     home = _pose(arm.forward_kinematics(HOME))
     ray = home.translation() - SHOULDER
     far = SHOULDER + (REACH + BEYOND) * ray / np.linalg.norm(ray)
+    plant = MakeDhArmPlant(arm)
     results = []
     for name, (config, law) in variants().items():
-        ends = [_run(config, law, target, SECONDS)[-1] for target in targets]
+        controller = MakeFuzzyIkController(plant, config=config, law=law)
+        ends = [_run(controller, target, SECONDS)[-1] for target in targets]
         reached = sum(_near(_pose(arm.forward_kinematics(q)), X) for q, X in zip(ends, targets))
-        speeds = RATE * np.diff(
-            _run(config, law, RigidTransform(home.rotation(), far), 11.0), axis=0
-        )
-        last = speeds[-round(RATE) :]
+        out = _run(controller, RigidTransform(home.rotation(), far), 11.0)
+        last = RATE * np.diff(out, axis=0)[-round(RATE) :]
         results.append(PoseResult(name, reached, poses, float(np.sqrt((last**2).mean()))))
         if progress:
             progress(len(results) / len(variants()))
     return results
 
 
-def _run(config: FuzzyIkConfig, law: Law | None, desired: RigidTransform, seconds: float) -> Array:
-    """Joint positions after each cycle (N,n)."""
-    plant = MultibodyPlant(time_step=0.0)
-    AddDhArm(plant, load_arm(ARM))
-    plant.Finalize()
-    controller = MakeFuzzyIkController(plant, config=config, law=law)
+def _run(
+    controller: FuzzyIkController | FusedFuzzyIk, desired: RigidTransform, seconds: float
+) -> Array:
+    """Joint positions after each cycle (N,n), from the home posture."""
     simulator = Simulator(controller)
     context = simulator.get_mutable_context()
     controller.SetPositions(context, HOME)

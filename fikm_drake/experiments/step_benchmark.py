@@ -15,11 +15,10 @@ from pydrake.multibody.inverse_kinematics import (
     DifferentialInverseKinematicsIntegrator,
     DifferentialInverseKinematicsParameters,
 )
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
-from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 SCENARIO = "table6_5s"
@@ -119,7 +118,7 @@ def _quiet_drake() -> Iterator[None]:
 
 def _our_step(*, fused: bool) -> Callable[[TrackingScenario], Step]:
     def make(scenario: TrackingScenario) -> Step:
-        plant = _plant(scenario)
+        plant = MakeDhArmPlant(scenario.load_arm())
         config = dataclasses.replace(scenario.controller_config(), fused=fused)
         controller = MakeFuzzyIkController(plant, config=config)
         simulator = Simulator(controller)
@@ -134,7 +133,7 @@ def _our_step(*, fused: bool) -> Callable[[TrackingScenario], Step]:
 
 def _drake_step(*, usual: bool) -> Callable[[TrackingScenario], Step]:
     def make(scenario: TrackingScenario) -> Step:
-        plant = _plant(scenario)
+        plant = MakeDhArmPlant(scenario.load_arm())
         n, period = plant.num_positions(), 1.0 / scenario.control_rate
         parameters = DifferentialInverseKinematicsParameters(n, n)
         parameters.set_time_step(period)
@@ -170,13 +169,6 @@ def _timed(simulator: Simulator, set_target: Callable, scenario: TrackingScenari
         return time.process_time() - start
 
     return step
-
-
-def _plant(scenario: TrackingScenario) -> MultibodyPlant:
-    plant = MultibodyPlant(time_step=0.0)
-    AddDhArm(plant, scenario.load_arm())
-    plant.Finalize()
-    return plant
 
 
 def _targets(scenario: TrackingScenario) -> np.ndarray:

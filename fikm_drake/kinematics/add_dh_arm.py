@@ -26,3 +26,11 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
     for i, default in enumerate(arm.default_position, start=1):
         plant.GetJointByName(f"joint{i}", instance).set_default_positions([default])
     return instance
+
+
+def MakeDhArmPlant(arm: DhArm) -> MultibodyPlant:
+    """A finalized, continuous plant with nothing but `arm`, for its kinematics."""
+    plant = MultibodyPlant(time_step=0.0)
+    AddDhArm(plant, arm)
+    plant.Finalize()
+    return plant

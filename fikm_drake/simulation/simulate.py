@@ -3,14 +3,12 @@
 from collections.abc import Callable
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
-from fikm_drake.kinematics.add_dh_arm import AddDhArm
-from fikm_drake.kinematics.task import Task
+from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.law import Law
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
@@ -46,9 +44,7 @@ def simulate(
     """
     scenario.validate()
     arm = scenario.load_arm()
-    plant = MultibodyPlant(time_step=0.0)
-    AddDhArm(plant, arm)
-    plant.Finalize()
+    plant = MakeDhArmPlant(arm)
 
     builder = DiagramBuilder()
     desired = builder.AddNamedSystem("desired", TrajectorySource(scenario.trajectory()))
@@ -101,7 +97,7 @@ def _collect(
     N = min(len(series) for series in data.values())
     data = {name: series[:N] for name, series in data.items()}
     q = np.concatenate([data["commanded_position"][1:], [last]])
-    coordinates = Task(scenario.controller_config().task).coordinates
+    coordinates = scenario.controller_config().make_task().coordinates
     actual = scenario.load_arm().forward_kinematics(q)[:, coordinates, 3]
     return TrackingLog(
         scenario=scenario,

@@ -2,7 +2,7 @@
 
 import csv
 import zipfile
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -74,7 +74,7 @@ class TrackingLog:
             OSError: the file cannot be written.
         """
         arm = self.scenario.load_arm().table  # so that the log outlives the arm's file
-        scenario = TrackingScenario(**{**_fields(self.scenario), "arm": arm})
+        scenario = replace(self.scenario, arm=arm)
         series = {name: getattr(self, name) for name in series_names()}
         with open(path, "wb") as file:  # an open file: numpy would add .npz to another name
             np.savez_compressed(file, format=FORMAT, scenario=yaml_dump_typed(scenario), **series)
@@ -128,7 +128,3 @@ class TrackingLog:
 def series_names() -> list[str]:
     """Names of the series of a log, in order."""
     return [f.name for f in fields(TrackingLog) if f.name != "scenario"]
-
-
-def _fields(scenario: TrackingScenario) -> dict:
-    return {f.name: getattr(scenario, f.name) for f in fields(scenario)}

@@ -32,8 +32,8 @@ def check_not_negative(name: str, value: float) -> float:
     return float(value)
 
 
-def check_smoothing(smoothing: float) -> float:
+def check_smoothing(name: str, smoothing: float) -> float:
     """The smoothing [-]; ValueError unless 0 ≤ smoothing < 1."""
     if not 0.0 <= smoothing < 1.0:
-        raise ValueError(f"smoothing must be in [0, 1), 0 filters nothing, got {smoothing!r}")
+        raise ValueError(f"{name} must be in [0, 1), 0 filters nothing, got {smoothing!r}")
     return float(smoothing)

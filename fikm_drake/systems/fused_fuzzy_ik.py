@@ -82,7 +82,6 @@ class FusedFuzzyIk(LeafSystem):
         self._law = law
         self._supervision = GainSupervision(config.supervisor)
         self._config = dataclasses.replace(config)
-        self._error_limit = config.error_limit
         self._lower = self._kinematics.lower
         self._upper = self._kinematics.upper
         n, m = self._kinematics.num_joints, self._kinematics.task.size
@@ -142,7 +141,7 @@ class FusedFuzzyIk(LeafSystem):
         valid = isfinite(size)
         if not valid:
             error, size = self._no_error, 0.0
-        limit = self._error_limit
+        limit = config.error_limit
         gain = self._supervision.gain(memory, min(size, limit))
         filtered_gain = low_pass(gain, float(filters[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, limit)
@@ -176,5 +175,5 @@ class FusedFuzzyIk(LeafSystem):
         discrete_state.set_value(1, (after - command) * self._config.control_rate)
         command[:] = after
         filters[0], filters[1:] = cycle.filtered_gain, cycle.filtered_error
-        size = min(cycle.error_length, self._error_limit)
+        size = min(cycle.error_length, self._config.error_limit)
         self._supervision.remember(memory, size, cycle.joint_step)

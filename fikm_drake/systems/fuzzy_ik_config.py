@@ -7,6 +7,7 @@ from math import isfinite
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
 from fikm_drake.laws.gain_supervision import GainSupervisorConfig
+from fikm_drake.systems.checks import check_not_negative, check_positive, check_smoothing
 
 
 @dataclass
@@ -80,11 +81,8 @@ class FuzzyIkConfig:
         if not (isfinite(self.control_rate) and self.control_rate > 0):
             raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
         for name in ("error_limit", "tolerance", "longest_step"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)!r}")
-        if not (isfinite(self.side_step) and self.side_step >= 0):
-            raise ValueError(f"side_step must not be negative, got {self.side_step!r}")
+            check_positive(name, getattr(self, name))
+        check_not_negative("side_step", self.side_step)
         for name in ("gain_smoothing", "error_smoothing"):
-            if not 0 <= getattr(self, name) < 1:
-                raise ValueError(f"{name} must be in [0, 1), got {getattr(self, name)!r}")
+            check_smoothing(name, getattr(self, name))
         self.supervisor.validate()

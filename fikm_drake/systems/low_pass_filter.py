@@ -47,7 +47,7 @@ class LowPassFilter(LinearSystem):
         check_sizes(size=size)
         if not isfinite(initial_value):
             raise ValueError(f"initial_value must be finite, got {initial_value!r}")
-        keep = check_smoothing(smoothing) * np.eye(size)
+        keep = check_smoothing("smoothing", smoothing) * np.eye(size)
         new = np.eye(size) - keep
         super().__init__(keep, new, keep, new, check_period(period))
         self.configure_default_state(np.full(size, float(initial_value)))

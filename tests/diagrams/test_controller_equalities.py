@@ -9,10 +9,6 @@ import fikm_drake as fd
 from fikm_drake import ControllerStatus as Status
 
 
-def config_of(**changes):
-    return fd.FuzzyIkConfig(**changes)
-
-
 def naive_controller(arm, config, start, desired, rows):
     """Equations 27-34, section 2.7 and figure 1 in a plain loop; K_0 = 1, d_0 = 0."""
     coordinates = [row - 3 for row in rows]
@@ -100,7 +96,8 @@ def test_fused_equals_the_diagram_at_joint_limits(plant_with, run):
     angle = np.linspace(0, 2 * np.pi, 600)[:, None]
     desired = np.array([0.2, 0.0, 0.5]) + 0.9 * np.hstack([np.cos(angle), np.sin(angle), 0 * angle])
     runs = [
-        run(plant_with("panda"), config_of(fused=fused), start, desired) for fused in (False, True)
+        run(plant_with("panda"), fd.FuzzyIkConfig(fused=fused), start, desired)
+        for fused in (False, True)
     ]
     assert_equal_series(*runs)
     q = runs[0]["commanded_position"]

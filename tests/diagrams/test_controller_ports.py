@@ -24,14 +24,10 @@ OUTPUTS = {
 Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 
 
-def config_of(**changes):
-    return fd.FuzzyIkConfig(**changes)
-
-
 @pytest.mark.parametrize("measured", [False, True])
 @pytest.mark.parametrize("task", ["position", "xz", "y"])
 def test_ports(plant, ports, fused, measured, task):
-    config = config_of(fused=fused, measured_position=measured, task=task)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, task=task)
     builder = DiagramBuilder()
     controller = fd.AddFuzzyIkController(builder, plant, config=config)
     m = {"position": 3, "xz": 2, "y": 1}[task]
@@ -45,7 +41,7 @@ def test_ports(plant, ports, fused, measured, task):
 def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured):
     """The command comes from the state, so any loop may be closed around the controller."""
     controller = fd.MakeFuzzyIkController(
-        plant, config=config_of(fused=fused, measured_position=measured)
+        plant, config=fd.FuzzyIkConfig(fused=fused, measured_position=measured)
     )
     for i in range(controller.num_input_ports()):
         through = {name for j, name in enumerate(OUTPUTS) if controller.HasDirectFeedthrough(i, j)}
@@ -54,7 +50,7 @@ def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured):
 
 def test_the_docstring_begins_with_the_ports(plant, ports):
     for fused, cls in ((False, fd.FuzzyIkController), (True, fd.FusedFuzzyIk)):
-        config = config_of(fused=fused, measured_position=True)
+        config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
         inputs, outputs = ports(fd.MakeFuzzyIkController(plant, config=config))
         block = re.search(r"\.\. pydrake_system::\n\n((?: {4}.*\n)+)", inspect.getdoc(cls))
         assert yaml.safe_load(block.group(1)) == {
@@ -143,14 +139,14 @@ def test_two_configs_share_nothing():
 )
 def test_errors_name_the_bad_value_and_the_valid_ones(plant, fused, changes, words):
     with pytest.raises(ValueError) as error:
-        fd.MakeFuzzyIkController(plant, config=config_of(fused=fused, **changes))
+        fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=fused, **changes))
     for word in words:
         assert word in str(error.value)
 
 
 def test_set_positions(plant, fused):
     builder = DiagramBuilder()
-    controller = fd.AddFuzzyIkController(builder, plant, config=config_of(fused=fused))
+    controller = fd.AddFuzzyIkController(builder, plant, config=fd.FuzzyIkConfig(fused=fused))
     builder.ExportInput(controller.get_input_port())
     diagram = builder.Build()
     root = diagram.CreateDefaultContext()
@@ -167,7 +163,7 @@ def test_set_positions(plant, fused):
 
 def test_positions_outside_the_limits_are_refused(plant_with, fused):
     plant = plant_with("panda")
-    controller = fd.MakeFuzzyIkController(plant, config=config_of(fused=fused))
+    controller = fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=fused))
     with pytest.raises(ValueError, match="joint position 4"):
         controller.SetPositions(controller.CreateDefaultContext(), np.zeros(7))
 
@@ -175,6 +171,6 @@ def test_positions_outside_the_limits_are_refused(plant_with, fused):
 def test_the_default_start_is_the_plant_s(plant_with, fused):
     """Inside the limits, whatever the plant's defaults are."""
     plant = plant_with("panda")
-    controller = fd.MakeFuzzyIkController(plant, config=config_of(fused=fused))
+    controller = fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=fused))
     start = controller.GetOutputPort("commanded_position").Eval(controller.CreateDefaultContext())
     np.testing.assert_array_equal(start, fd.load_arm("panda").default_position)

@@ -10,10 +10,6 @@ Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 TARGET = np.array([0.5, -0.45, 0.3])
 
 
-def config_of(**changes):
-    return fd.FuzzyIkConfig(**changes)
-
-
 def lengths(vectors):
     return np.linalg.norm(vectors, axis=-1)
 
@@ -30,8 +26,8 @@ def stop_and_go(desired, start, stop, bad):
 def test_a_lost_target_holds_the_command(plant, run, fused, bad, when):
     start, stop = when
     desired = np.tile(TARGET, (400, 1))
-    undisturbed = run(plant, config_of(fused=fused), Q0, desired)
-    series = run(plant, config_of(fused=fused), Q0, stop_and_go(desired, start, stop, bad))
+    undisturbed = run(plant, fd.FuzzyIkConfig(fused=fused), Q0, desired)
+    series = run(plant, fd.FuzzyIkConfig(fused=fused), Q0, stop_and_go(desired, start, stop, bad))
     assert all(np.isfinite(values).all() for values in series.values())
     assert (series["status"][start:stop] == Status.INVALID_INPUT).all()
     assert (np.delete(series["status"], np.s_[start:stop]) != Status.INVALID_INPUT).all()
@@ -60,7 +56,7 @@ def test_a_lost_measurement_holds_the_command(plant, run, fused, bad, joint):
             commanded[joint] = bad
         return commanded
 
-    config = config_of(fused=fused, measured_position=True)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
     series = run(plant, config, Q0, np.tile(TARGET, (400, 1)), measure)
     assert all(np.isfinite(values).all() for values in series.values())
     assert (series["status"][start:stop] == Status.INVALID_INPUT).all()
@@ -78,7 +74,7 @@ def test_a_measurement_beyond_the_frame_counts(plant, run, fused):
             commanded[6] = np.nan
         return commanded
 
-    config = config_of(fused=fused, measured_position=True, frame="link4")
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True, frame="link4")
     series = run(plant, config, Q0, np.tile([0.2, -0.2, 0.5], (20, 1)), measure)
     assert (series["status"][5:9] == Status.INVALID_INPUT).all()
     held = series["commanded_position"][5:10]

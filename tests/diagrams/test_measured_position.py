@@ -19,10 +19,6 @@ Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 TARGET = np.array([0.5, -0.45, 0.3])
 
 
-def config_of(**changes):
-    return fd.FuzzyIkConfig(**changes)
-
-
 def lengths(vectors):
     return np.linalg.norm(vectors, axis=-1)
 
@@ -94,7 +90,7 @@ def constant_gain(gain):
 @pytest.mark.parametrize("delay", [1, 2, 3])
 def test_converges_on_a_robot_that_is_late(plant, fused, delay):
     gain = 0.8 * largest_gain(delay)
-    config = config_of(fused=fused, measured_position=True, supervisor=constant_gain(gain))
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True, supervisor=constant_gain(gain))
     series = in_simulator(plant, config, late_by(delay), TARGET, 20.0)
     assert lengths(series["task_error"])[-1] < config.tolerance
     assert series["status"][-1] == Status.CONVERGED
@@ -103,7 +99,7 @@ def test_converges_on_a_robot_that_is_late(plant, fused, delay):
 
 def test_converges_on_a_robot_that_follows_with_a_lag(plant, fused):
     """A time constant of one cycle leaves Table I's gains stable."""
-    config = config_of(fused=fused, measured_position=True)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
     series = in_simulator(plant, config, FirstOrderLowPassFilter(PERIOD, 7), TARGET, 8.0)
     assert lengths(series["task_error"])[-1] < 1e-6
     assert series["status"][-1] == Status.CONVERGED
@@ -111,7 +107,7 @@ def test_converges_on_a_robot_that_follows_with_a_lag(plant, fused):
 
 def test_table_1_is_too_fast_for_a_robot_that_is_late(plant, fused):
     """What `measured_position` warns of; bounded all the same, and never NaN."""
-    config = config_of(fused=fused, measured_position=True)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
     series = in_simulator(plant, config, late_by(2), TARGET, 8.0)
     assert lengths(series["task_error"])[-100:].max() > 0.1
     assert all(np.isfinite(values).all() for values in series.values())
@@ -119,8 +115,8 @@ def test_table_1_is_too_fast_for_a_robot_that_is_late(plant, fused):
 
 def test_a_perfect_measurement_changes_nothing(plant, run, fused):
     desired = np.tile(TARGET, (100, 1))
-    own = run(plant, config_of(fused=fused), Q0, desired)
-    config = config_of(fused=fused, measured_position=True)
+    own = run(plant, fd.FuzzyIkConfig(fused=fused), Q0, desired)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
     measured = run(plant, config, Q0, desired, lambda k, commanded: commanded)
     for name in own:
         np.testing.assert_array_equal(own[name], measured[name], err_msg=name)
