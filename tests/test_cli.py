@@ -7,8 +7,10 @@ import sys
 
 import pytest
 
-from fikm_drake import TrackingLog, cli, load_arm
-from fikm_drake.cli import main
+from fikm_drake import TrackingLog, load_arm
+from fikm_drake.cli import main, models, run
+from fikm_drake.cli.progress import progress
+from fikm_drake.experiments import batch_benchmark
 from fikm_drake.resources import model_names
 
 SCENARIO = "arm: planar2\nwaypoints: [[1.5, 0.0], [1.3, 0.4]]\nduration: 0.3\nhold: 0.1\n"
@@ -120,7 +122,7 @@ def test_help_tells_the_exit_codes(capsys):
 def test_missing_folder_exits_with_1_before_the_run(
     option, scenario, tmp_path, capsys, monkeypatch
 ):
-    monkeypatch.setattr(cli, "simulate", lambda *_, **__: pytest.fail("it ran"))
+    monkeypatch.setattr(run, "simulate", lambda *_, **__: pytest.fail("it ran"))
     path = str(tmp_path / "gone" / "run")
     assert main(["run", scenario, option, path]) == 1
     assert path in capsys.readouterr().err
@@ -150,7 +152,7 @@ def test_interrupted_run_keeps_its_log(reason, code, scenario, tmp_path, capsys,
 
         return progress
 
-    monkeypatch.setattr(cli, "_progress", stop_half_way)
+    monkeypatch.setattr(run, "progress", stop_half_way)
     assert main(["run", scenario, "--log", str(tmp_path / "run.npz")]) == code
     captured = capsys.readouterr()
     assert "stopped after" in captured.err
@@ -162,12 +164,12 @@ def test_interruption_elsewhere_exits_with_130(monkeypatch):
     def interrupt(_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "load_arm", interrupt)
+    monkeypatch.setattr(models, "load_arm", interrupt)
     assert main(["urdf", "panda"]) == 130
 
 
 def test_progress_shows_only_to_a_patient_person(capsys, monkeypatch):
-    show = cli._progress(patience=0.0)
+    show = progress(patience=0.0)
     show(0.5)
     assert capsys.readouterr().err == ""  # no terminal
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
@@ -175,7 +177,7 @@ def test_progress_shows_only_to_a_patient_person(capsys, monkeypatch):
     show(1.0)
     err = capsys.readouterr().err
     assert "50 %" in err and err.endswith("100 %\n")
-    cli._progress(patience=60.0)(0.5)
+    progress(patience=60.0)(0.5)
     assert capsys.readouterr().err == ""
 
 
@@ -202,16 +204,16 @@ def test_python_m_runs_the_command():
 
 
 def test_benchmark_batch_prints_success_and_time(capsys, monkeypatch):
-    small = functools.partial(cli.batch_benchmark, targets=20)
-    monkeypatch.setattr(cli, "batch_benchmark", small)
-    assert cli.main(["benchmark", "batch", "--rounds", "1"]) == 0
+    small = functools.partial(batch_benchmark.batch_benchmark, targets=20)
+    monkeypatch.setattr(batch_benchmark, "batch_benchmark", small)
+    assert main(["benchmark", "batch", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
     assert printed.count("fikm_drake solve_batch") == 4
     assert "100.00 %" in printed and "inside limits" in printed
 
 
 def test_benchmark_poses_prints_each_law(capsys):
-    assert cli.main(["benchmark", "poses", "--poses", "1"]) == 0
+    assert main(["benchmark", "poses", "--poses", "1"]) == 0
     printed = capsys.readouterr().out
     assert printed.count(" of 1 poses") == 4
     assert "damped least squares" in printed and "rad/s rms" in printed

@@ -94,6 +94,19 @@ def step_benchmark(
     ]
 
 
+def table(rounds: int, progress: Callable[[float], None]) -> str:
+    """The benchmark's text."""
+    costs = step_benchmark(rounds=rounds, progress=progress)
+    lines = [
+        "one control step of arm7 in a Simulator, CPU time (median), over Drake's usual and least"
+    ]
+    lines += [
+        f"  {cost.name:44s} {cost.microseconds:6.1f} µs  {cost.to_usual:5.2f}  {cost.to_least:5.2f}"
+        for cost in costs
+    ]
+    return "\n".join(lines)
+
+
 def _follow(step: Step, cycles: int) -> list[float]:
     """CPU time of each step [s], undisturbed by the garbage collector."""
     gc.collect()

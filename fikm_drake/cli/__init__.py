@@ -1,0 +1,41 @@
+"""The command `fikm-drake`."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from fikm_drake.cli.benchmark import add_benchmark
+from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
+from fikm_drake.cli.models import add_models
+from fikm_drake.cli.reproduce import add_reproduce
+from fikm_drake.cli.run import add_run
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command with `arguments`, by default those of the process; returns the exit code."""
+    parser = _parser()
+    options = parser.parse_args(arguments)
+    try:
+        return options.run(options)
+    except (ValueError, FileNotFoundError) as error:
+        print(f"fikm-drake: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except OSError as error:
+        print(f"fikm-drake: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="fikm-drake",
+        description="Fuzzy inverse kinematics on Drake.",
+        epilog=EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    for add in (add_run, add_models, add_reproduce, add_benchmark):
+        add(commands)
+    return parser

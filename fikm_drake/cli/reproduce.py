@@ -1,0 +1,48 @@
+"""`fikm-drake reproduce`: a paper's tables and figures beside ours."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from fikm_drake.cli.exit_codes import FAILED, OK
+from fikm_drake.experiments.papers import select
+
+
+def add_reproduce(commands: "argparse._SubParsersAction") -> None:
+    """Add the command."""
+    reproduce = commands.add_parser(
+        "reproduce", help="a paper's tables and figures beside ours; exit code 1 if a claim fails"
+    )
+    reproduce.add_argument("paper", help="name of a paper, or all")
+    reproduce.add_argument("--table", action="append", default=[], metavar="N", help="only table N")
+    reproduce.add_argument(
+        "--figure", action="append", default=[], metavar="N", help="only figure N"
+    )
+    reproduce.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="only this part, such as ablation",
+    )
+    reproduce.add_argument("--pictures", metavar="FOLDER", help="write the pictures there")
+    reproduce.set_defaults(run=_reproduce)
+
+
+def _reproduce(options: argparse.Namespace) -> int:
+    keys = [*options.only, *(f"table {n}" for n in options.table)]
+    keys += [f"figure {n}" for n in options.figure]
+    experiments = select(options.paper, keys)
+    if options.pictures is not None:
+        Path(options.pictures).mkdir(parents=True, exist_ok=True)
+    missed = []
+    for name, experiment in experiments.items():
+        section = experiment()
+        print(f"{section}\n", flush=True)
+        missed += [] if section.reached else [name]
+        if options.pictures is not None:
+            for stem, figure in section.pictures.items():
+                figure.savefig(Path(options.pictures) / f"{stem}.png", dpi=110)
+    if missed:
+        print(f"fikm-drake: not reached: {', '.join(missed)}", file=sys.stderr)
+    return FAILED if missed else OK

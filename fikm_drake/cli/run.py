@@ -1,0 +1,76 @@
+"""`fikm-drake run`: a scenario to its errors, log, picture and page."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from fikm_drake.cli.exit_codes import FAILED, INTERRUPTED, OK
+from fikm_drake.cli.progress import progress
+from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.simulate import SimulationStopped, simulate
+from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.tracking_scenario import load_scenario
+from fikm_drake.simulation.write_html import write_html
+
+
+def add_run(commands: "argparse._SubParsersAction") -> None:
+    """Add the command."""
+    run = commands.add_parser("run", help="run a scenario and print its errors")
+    run.add_argument("scenario", help="name (see `fikm-drake models`) or path of a .yaml file")
+    run.add_argument("--log", metavar="RUN.npz", help="write the log")
+    run.add_argument("--csv", metavar="RUN.csv", help="write the log as a table")
+    run.add_argument("--plot", metavar="RUN.png", help="write a picture")
+    run.add_argument("--html", metavar="RUN.html", help="write a page that plays the run")
+    run.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    scenario = load_scenario(options.scenario)
+    if not _folders_exist(options):
+        return FAILED
+    code = OK
+    try:
+        log = simulate(scenario, progress=progress())
+    except SimulationStopped as stopped:
+        print(f"fikm-drake: {stopped}", file=sys.stderr)
+        log = stopped.log
+        code = INTERRUPTED if isinstance(stopped.__cause__, KeyboardInterrupt) else FAILED
+    if not _write(log, options):
+        code = code or FAILED
+    last = ControllerStatus(int(log.status[-1])).name.lower().replace("_", " ")
+    print(f"{options.scenario}: {log.metrics()}, {last} at the end")
+    return code
+
+
+def _folders_exist(options: argparse.Namespace) -> bool:
+    """Complain of a mistyped folder before the run, not after it."""
+    for name in ("log", "csv", "plot", "html"):
+        path = getattr(options, name)
+        if path is not None and not Path(path).parent.is_dir():
+            print(f"fikm-drake: cannot write {path}: there is no such folder", file=sys.stderr)
+            return False
+    return True
+
+
+def _write(log: TrackingLog, options: argparse.Namespace) -> bool:
+    """Write the files that were asked for, each even if another fails; True if all could be."""
+    good = True
+    writers: dict[str, Callable] = {
+        "log": log.save,
+        "csv": log.to_csv,
+        "plot": lambda path: plot_log(log, path),
+        "html": lambda path: write_html(log, path),
+    }
+    for name, write in writers.items():
+        path = getattr(options, name)
+        if path is None:
+            continue
+        try:
+            write(path)
+            print(f"wrote {path}", file=sys.stderr)
+        except (OSError, ValueError, RuntimeError) as error:
+            print(f"fikm-drake: cannot write {path}: {error}", file=sys.stderr)
+            good = False
+    return good
