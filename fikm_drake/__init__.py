@@ -19,6 +19,7 @@ from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
 from fikm_drake.laws.jacobian_transpose import JacobianTranspose
@@ -33,6 +34,7 @@ from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scena
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.solve_batch import solve_batch
+from fikm_drake.systems.detour_planner import DetourPlanner
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
@@ -53,6 +55,8 @@ __all__ = [
     "BatchStatus",
     "ControllerStatus",
     "DampedLeastSquares",
+    "DetourPlanner",
+    "DetourState",
     "DhArm",
     "DhJoint",
     "DhTable",

@@ -4,7 +4,8 @@ from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
-from fikm_drake.laws.law import Law
+from fikm_drake.laws.law import Law, takes_damping
+from fikm_drake.systems.detour_planner import DetourPlanner
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
@@ -95,8 +96,8 @@ class FuzzyIkController(Diagram):
                 frame=config.frame,
                 task=task,
                 guarded=True,
-                longest_step=config.longest_step,
-                side_step=config.side_step,
+                damped=takes_damping(law),
+                **config.step_options(),
             ),
         )
         integrator = add(
@@ -106,9 +107,12 @@ class FuzzyIkController(Diagram):
                 kinematics.upper,
                 period=period,
                 initial_position=kinematics.default_position,
+                **config.rates(kinematics),
             ),
         )
-        status = add("status_monitor", StatusMonitor(m, tolerance=config.tolerance))
+        status = add(
+            "status_monitor", StatusMonitor(m, tolerance=config.tolerance, detour=config.detour)
+        )
         self._integrator = integrator
 
         def wire(source: System, output: str, target: System, port: str) -> None:
@@ -120,26 +124,40 @@ class FuzzyIkController(Diagram):
         wire(gain_filter, "y0", gain, "gain")
         wire(gain, "amplified_error", error_filter, "u0")
         wire(error_filter, "y0", ik, "task_error")
-        wire(ik, "joint_step", supervisor, "joint_step")
-        wire(ik, "joint_step", integrator, "joint_step")
+        if takes_damping(law):
+            wire(supervisor, "damping", ik, "damping")
+        source: System = ik  # of the joint step
+        if config.detour:
+            source = add(
+                "detour_planner",
+                DetourPlanner(plant, frame=config.frame, task=task, **config.detour_options()),
+            )
+            wire(ik, "joint_step", source, "law_step")
+            wire(source, "detour", status, "detour")
+        wire(source, "joint_step", supervisor, "joint_step")
+        wire(source, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
         wire(error, "valid", status, "valid")
         wire(integrator, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
+        wire(supervisor, "calm", status, "calm")
 
         desired = error.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
+        if config.detour:
+            builder.ConnectInput(desired.get_name(), source.GetInputPort(desired.get_name()))
         if config.measured_position:
             builder.ExportInput(error.GetInputPort("position"), "estimated_position")
-            builder.ConnectInput("estimated_position", ik.GetInputPort("position"))
-        else:
-            wire(integrator, "position", error, "position")
-            wire(integrator, "position", ik, "position")
+        for block in [error, ik, *[source] * config.detour]:
+            if not config.measured_position:
+                wire(integrator, "position", block, "position")
+            elif block is not error:
+                builder.ConnectInput("estimated_position", block.GetInputPort("position"))
         for block, port, name in (
             (integrator, "position", "commanded_position"),
             (integrator, "velocity", "commanded_velocity"),
-            (ik, "joint_step", "joint_step"),
+            (source, "joint_step", "joint_step"),
             (error, "task_error", "task_error"),
             (supervisor, "gain", "gain"),
             (supervisor, "oscillating", "oscillating"),

@@ -3,7 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments import (
+    batch_benchmark,
+    cycle_benchmark,
+    hard_benchmark,
+    pose_benchmark,
+    step_benchmark,
+)
 
 Progress = Callable[[float], None]
 
@@ -25,6 +31,15 @@ class Benchmark:
 BENCHMARKS = {
     "step": Benchmark(
         "CPU time of a control step beside Drake's", "rounds", 20, step_benchmark.table
+    ),
+    "cycle": Benchmark(
+        "CPU time of a law and of a cycle of differential IK", "rounds", 40, cycle_benchmark.table
+    ),
+    "hard": Benchmark(
+        "a line, a large step, targets out of reach, beside others",
+        "seconds",
+        10,
+        hard_benchmark.table,
     ),
     "poses": Benchmark(
         "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table

@@ -1,5 +1,6 @@
 """Poses of an arm with limits, reached in the loop, law beside law (`fikm-drake benchmark poses`)."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -11,17 +12,20 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
-from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.experiments.pose_peers import Run, advance, pose_peers
+from fikm_drake.experiments.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.law import Law
-from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 ARM, HOME = "iiwa14", (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
 TOLERANCE = (1e-3, 0.01)
 """Of position [m] and rotation [rad]."""
+INSIDE = 1e-6
+"""A limit that is crossed by less is not crossed: solvers of QPs stop there [rad]."""
 SECONDS, RATE = 6.0, 100.0
 BEYOND = 0.4
 """How far outside its reach the arm is asked to go, straight on from its home posture [m]."""
@@ -33,23 +37,9 @@ REACH = 0.42 + 0.40 + 0.126
 Array = NDArray[np.float64]
 
 
-def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
-    """What is compared: a config, and a law in place of its fuzzy mapping."""
-
-    def config(**changes: Any) -> FuzzyIkConfig:
-        return FuzzyIkConfig(task="pose", control_rate=RATE, fused=True, error_limit=0.1, **changes)
-
-    return {
-        "fuzzy, paper's law": (config(), None),
-        "fuzzy, 3 iterations": (config(iterations=3, damping=0.1, row_floor=0.05), None),
-        "fuzzy, 6 iterations": (config(iterations=6, damping=0.1, row_floor=0.05), None),
-        "damped least squares 0.05": (config(), DampedLeastSquares(0.05)),
-    }
-
-
 @dataclass(frozen=True)
 class PoseResult:
-    """What a law does in the controller."""
+    """What a method does."""
 
     name: str
     reached: int
@@ -58,6 +48,10 @@ class PoseResult:
     """Poses tried."""
     unrest: float
     """Joint speed, rms, 10 s after the arm was sent out of its reach [rad/s]."""
+    reversals: float
+    """Changes of sign of the joint steps in that second, mean over the joints [-]."""
+    microseconds: float
+    """CPU time of a cycle, all of the loop included [µs]."""
 
 
 def pose_benchmark(
@@ -68,7 +62,7 @@ def pose_benchmark(
     Args:
         poses: how many; of postures uniform inside the joint limits, 6 s each at 100 Hz.
         seed: of the poses.
-        progress: called after each law with the fraction done.
+        progress: called after each method with the fraction done.
 
     Raises:
         ValueError: poses is not positive.
@@ -81,55 +75,87 @@ def pose_benchmark(
     home = _pose(arm.forward_kinematics(HOME))
     ray = home.translation() - SHOULDER
     far = SHOULDER + (REACH + BEYOND) * ray / np.linalg.norm(ray)
-    plant = MakeDhArmPlant(arm)
+    methods = _ours(arm) | pose_peers(arm, np.array(HOME), RATE)
     results = []
-    for name, (config, law) in variants().items():
-        controller = MakeFuzzyIkController(plant, config=config, law=law)
-        ends = [_run(controller, target, SECONDS)[-1] for target in targets]
-        reached = sum(_near(_pose(arm.forward_kinematics(q)), X) for q, X in zip(ends, targets))
-        out = _run(controller, RigidTransform(home.rotation(), far), 11.0)
+    for name, run in methods.items():
+        with quiet_drake():
+            start = time.process_time()
+            ends = [run(target, SECONDS)[-1] for target in targets]
+            spent = time.process_time() - start
+            out = run(RigidTransform(home.rotation(), far), 11.0)
+        reached = sum(_reaches(arm, q, X) for q, X in zip(ends, targets))
         last = RATE * np.diff(out, axis=0)[-round(RATE) :]
-        results.append(PoseResult(name, reached, poses, float(np.sqrt((last**2).mean()))))
+        moving = np.where(np.abs(last) > 1e-6, last, 0.0)
+        results.append(
+            PoseResult(
+                name,
+                reached,
+                poses,
+                float(np.sqrt((last**2).mean())),
+                float((moving[1:] * moving[:-1] < 0.0).sum(axis=0).mean()),
+                1e6 * spent / (poses * SECONDS * RATE),
+            )
+        )
         if progress:
-            progress(len(results) / len(variants()))
+            progress(len(results) / len(methods))
     return results
 
 
 def table(poses: int, progress: Callable[[float], None]) -> str:
     """The benchmark's text."""
-    results = pose_benchmark(poses=poses, progress=progress)
     lines = [
-        "iiwa14 in the loop, 6 s a pose at 100 Hz, 1 mm and 0.01 rad; then a pose out of reach"
+        "iiwa14 in the loop at 100 Hz, 6 s a pose, within 1 mm and 0.01 rad, limits of position and speed;",
+        "then a pose 0.4 m out of reach after 10 s: joint speed, rms, and reversals of a joint a second",
     ]
     lines += [
-        f"  {result.name:26s} {result.reached:3d} of {result.poses} poses,"
-        f" out of reach {result.unrest:.2g} rad/s rms"
-        for result in results
+        f"  {r.name:45s} {r.reached:3d} of {r.poses} poses | {r.unrest:8.2g} rad/s {r.reversals:5.1f} / s"
+        f" | {r.microseconds:5.0f} µs a cycle"
+        for r in pose_benchmark(poses=poses, progress=progress)
     ]
     return "\n".join(lines)
 
 
-def _run(
-    controller: FuzzyIkController | FusedFuzzyIk, desired: RigidTransform, seconds: float
-) -> Array:
-    """Joint positions after each cycle (N,n), from the home posture."""
-    simulator = Simulator(controller)
-    context = simulator.get_mutable_context()
-    controller.SetPositions(context, HOME)
-    controller.GetInputPort("desired_pose").FixValue(context, Value(desired))
-    command = controller.GetOutputPort("commanded_position")
-    positions = []
-    for k in range(round(seconds * RATE)):
-        simulator.AdvanceTo((k + 0.5) / RATE)
-        positions.append(command.Eval(context))
-    return np.array(positions)
+def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
+    """Ours: a config, and a law in place of its fuzzy mapping."""
+
+    def config(**changes: Any) -> FuzzyIkConfig:
+        return FuzzyIkConfig(task="pose", control_rate=RATE, fused=True, **changes)
+
+    sharp = {"iterations": 6, "damping": 0.1, "row_floor": 0.05}
+    return {
+        "fuzzy, the paper's law": (config(), None),
+        "fuzzy, 6 iterations": (config(**sharp), None),
+        "fuzzy, 6 iterations, detour": (config(**sharp, detour=True, detour_speed=3.0), None),
+        "damped least squares 0.05 in our controller": (config(), DampedLeastSquares(0.05)),
+    }
+
+
+def _ours(arm: DhArm) -> dict[str, Run]:
+    plant = MakeDhArmPlant(arm)
+
+    def method(config: FuzzyIkConfig, law: Law | None) -> Run:
+        controller = MakeFuzzyIkController(plant, config=config, law=law)
+
+        def run(desired: RigidTransform, seconds: float) -> Array:
+            simulator = Simulator(controller)
+            context = simulator.get_mutable_context()
+            controller.SetPositions(context, HOME)
+            controller.GetInputPort("desired_pose").FixValue(context, Value(desired))
+            return advance(simulator, "commanded_position", seconds, RATE)
+
+        return run
+
+    return {name: method(*variant) for name, variant in variants().items()}
 
 
 def _pose(T: Array) -> RigidTransform:
     return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
 
 
-def _near(X: RigidTransform, Y: RigidTransform) -> bool:
+def _reaches(arm: DhArm, q: Array, X: RigidTransform) -> bool:
+    """True if the tool at q (n,) is at X within the tolerance, and q inside the limits."""
+    Y = _pose(arm.forward_kinematics(q))
     distance = np.linalg.norm(X.translation() - Y.translation())
     turn = (X.rotation().inverse() @ Y.rotation()).ToAngleAxis().angle()
-    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1])
+    inside = (q >= arm.lower - INSIDE).all() and (q <= arm.upper + INSIDE).all()
+    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1] and inside)

@@ -46,6 +46,25 @@ def conjugate_gradients(S: Array, b: Array, iterations: int, damping: float = 0.
     return x
 
 
+def conjugate_gradients_of_one(S: Array, b: Array, iterations: int, damping: float) -> Array:
+    """The same for one S (m,n) and one b (m,), in a third of the time."""
+    damping *= damping
+    residual, gradient = b, b.dot(S)
+    x, direction, size = np.zeros(len(gradient)), gradient, gradient.dot(gradient)
+    for _ in range(iterations):
+        image = S.dot(direction)
+        curvature = image.dot(image) + damping * direction.dot(direction)
+        if not curvature > TINY:
+            break
+        step = size / curvature
+        x += step * direction
+        residual = residual - step * image
+        gradient = residual.dot(S) - damping * x
+        before, size = size, gradient.dot(gradient)
+        direction = gradient + (size / before if before > TINY else 0.0) * direction
+    return x
+
+
 def _apply(A: Array, x: Array) -> Array:
     return (A @ x[..., None])[..., 0]
 

@@ -2,9 +2,14 @@
 
 from enum import IntEnum
 
+from fikm_drake.laws.detour import DetourState
+
+CALMED_BELOW = 0.5
+"""The arm is calmed while the gain is below this fraction of what it would be [-]."""
+
 
 class ControllerStatus(IntEnum):
-    """Value of a controller's `status` port; the first that holds, in this order."""
+    """Value of a controller's `status` port; the first that holds, in the order of `controller_status`."""
 
     INVALID_INPUT = 0
     """An input is NaN or infinite: the last good command holds."""
@@ -16,10 +21,23 @@ class ControllerStatus(IntEnum):
     """The supervisor sees a joint oscillate and has lowered the gain."""
     TRACKING = 4
     """None of these: the arm follows."""
+    CALMED = 5
+    """The supervisor has calmed the arm after an oscillation: the target can't be approached further."""
+    DETOUR = 6
+    """The arm searches for another posture, or moves to it (`FuzzyIkConfig.detour`)."""
+    STUCK = 7
+    """No posture was found that solves the task: it seems out of reach (`FuzzyIkConfig.detour`)."""
 
 
 def controller_status(
-    *, valid: bool, error: float, tolerance: float, limited: bool, oscillating: bool
+    *,
+    valid: bool,
+    error: float,
+    tolerance: float,
+    limited: bool,
+    oscillating: bool,
+    calm: float = 1.0,
+    detour: float = DetourState.NONE,
 ) -> ControllerStatus:
     """The status of a cycle.
 
@@ -29,11 +47,19 @@ def controller_status(
         tolerance: within this the target counts as reached [m].
         limited: a joint limit cuts the joint step.
         oscillating: the supervisor sees a joint oscillate.
+        calm: the supervisor's factor of the gain [-].
+        detour: what the detour does, a `DetourState`.
     """
     if not valid:
         return ControllerStatus.INVALID_INPUT
     if error <= tolerance:
         return ControllerStatus.CONVERGED
-    if limited:
-        return ControllerStatus.LIMITED
-    return ControllerStatus.OSCILLATING if oscillating else ControllerStatus.TRACKING
+    if detour == DetourState.STUCK:
+        return ControllerStatus.STUCK
+    if detour in (DetourState.SEARCHING, DetourState.UNDERWAY):
+        return ControllerStatus.DETOUR
+    if oscillating:
+        return ControllerStatus.OSCILLATING
+    if calm < CALMED_BELOW:
+        return ControllerStatus.CALMED
+    return ControllerStatus.LIMITED if limited else ControllerStatus.TRACKING

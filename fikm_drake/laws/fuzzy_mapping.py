@@ -1,14 +1,14 @@
 """The fuzzy inverse kinematic mapping: (J, dr) to a joint step (Xu & Nechyba 1993)."""
 
 from functools import cache
-from math import isfinite
+from math import hypot, inf, isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.fuzzy.generate import generate_rule_base
 from fikm_drake.fuzzy.rule_base import RuleBase
-from fikm_drake.laws.conjugate_gradients import conjugate_gradients
+from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
 
 METHODS = ("indirect", "direct")
 
@@ -90,9 +90,6 @@ class FuzzyMapping:
         self.damping = float(damping)
         self.row_floor, self.column_floor = float(row_floor), float(column_floor)
         self.zero_threshold = float(zero_threshold)
-        self._plain = (
-            method == "indirect" and iterations == 1 and not row_floor and not column_floor
-        )
         if method == "indirect":
             return
         self._range = np.array(jacobian_range, dtype=float)
@@ -113,12 +110,18 @@ class FuzzyMapping:
         """The generated rule bases of `direct` by the range of J_ij; empty for `indirect`."""
         return dict(self._rules) if self.method == "direct" else {}
 
-    def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
+    @property
+    def takes_damping(self) -> bool:
+        """Whether `step` makes use of a damping."""
+        return self.iterations > 1
+
+    def __call__(self, J: ArrayLike, dr: ArrayLike, damping: float = 0.0) -> Array:
         """The joint step of one control cycle.
 
         Args:
             J: Jacobian (…,m,n).
             dr: task error (…,m) in the units of the rows of J.
+            damping: more damping of S, such as the supervisor's, with `iterations` of 2 or more [-].
 
         Returns:
             (…,n) [rad or m].
@@ -139,18 +142,35 @@ class FuzzyMapping:
             return columns * ((rows * dr)[..., None, :] @ J)[..., 0, :]
         rows, columns = np.sqrt(rows), np.sqrt(columns)
         S = rows[..., :, None] * J * columns[..., None, :]
-        return columns * conjugate_gradients(S, rows * dr, self.iterations, self.damping)
+        damping = hypot(self.damping, damping)
+        return columns * conjugate_gradients(S, rows * dr, self.iterations, damping)
 
-    def step(self, J: Array, dr: Array) -> Array:
-        """As `mapping(J, dr)` for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
-        if self._plain:
-            A = np.abs(J)
-            m, n = A.shape
-            rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
-            sums = rows.tolist() + columns.tolist()
-            if min(sums) > self.zero_threshold * max(sums):  # no sum is zero
-                return (dr / rows).dot(J) / columns
-        return self(J, dr)
+    def step(self, J: Array, dr: Array, damping: float = 0.0) -> Array:
+        """The same for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
+        if self.method == "direct":
+            return self(J, dr)
+        A = np.abs(J)
+        m, n = A.shape
+        rows = self._divisors(A.dot(_ones(n)), self.row_floor)
+        columns = self._divisors(_ones(m).dot(A), self.column_floor)
+        if self.iterations == 1:
+            return (dr / rows).dot(J) / columns
+        rows, columns = np.sqrt(rows), np.sqrt(columns)
+        S = J / (rows[:, None] * columns)
+        damping = hypot(self.damping, damping)
+        return conjugate_gradients_of_one(S, dr / rows, self.iterations, damping) / columns
+
+    def _divisors(self, sums: Array, floor: float) -> Array:
+        """The sums (k,) raised by the floor, infinite for those that are zero."""
+        values = sums.tolist()
+        largest = max(values)
+        zero = self.zero_threshold * largest
+        if floor and largest:
+            floor *= largest
+            sums = np.sqrt(sums * sums + floor * floor)
+        elif min(values) <= zero:
+            sums[sums <= zero] = inf
+        return sums
 
     def _reciprocal(self, sums: Array, floor: float) -> Array:
         """1 / the sums (…,k), raised by the floor; 0 for those that are zero."""

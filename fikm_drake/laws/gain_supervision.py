@@ -8,12 +8,25 @@ from numpy.typing import NDArray
 
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
+from fikm_drake.laws.steps import length
 
 MAX_JOINTS = 52
 """The signs of the joint steps are kept as the bits of an integer in a double."""
 
-HEAD = 5
-"""Length of the part of the memory before the rings."""
+CALM, LAST_ERROR, HEAD = 2, 7, 9
+"""Where the memory holds the calm, the last error and step, and where its rings begin."""
+
+LEAST_CALM = 1e-4
+"""The gain is calmed to this fraction at the least, so that it finds back [-]."""
+
+AWAKE = 0.25
+"""A target that moves brings the gain back to this fraction at once [-]."""
+
+PROGRESS = 0.01
+"""The error falls if a cycle takes away this fraction of it, times the calm of the gain [-]."""
+
+TARGET_MOVED = 10.0
+"""An error that changes by more than this times the joint motion was changed by the target [m/rad]."""
 
 Array = NDArray[np.float64]
 
@@ -36,16 +49,34 @@ class GainSupervisorConfig:
     """Joint steps within ± this have no sign [rad or m]."""
     initial_gain: float = 1.0
     """The gain before the first cycle [-]."""
+    calming: float = 0.8
+    """While a joint oscillates, the gain shrinks by this factor a cycle, which ends the motion at a
+    target out of reach [-]; 1 as in the paper, where it goes on."""
+    slow_window: int = 64
+    """Cycles in which a slow oscillation is looked for, which the window misses (-)."""
+    slow_sign_changes: int = 6
+    """A joint oscillates slowly from this number of changes of sign within the slow window, if the
+    error meanwhile stays; that calms too [-]."""
+    recovery: float = 1.2
+    """A calmed gain grows by this factor a cycle while the error falls [-]."""
+    calm_damping: float = 0.3
+    """Damping of the scaled Jacobian while the gain is calmed, for laws that take it [-]."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
         if not isinstance(self.window, int) or self.window < 2:
             raise ValueError(f"window must be an integer of at least 2 cycles, got {self.window!r}")
-        if not 1 <= self.sign_changes < self.window:
+        if not isinstance(self.slow_window, int) or self.slow_window < 2:
             raise ValueError(
-                f"sign_changes must be from 1 to window − 1 = {self.window - 1}, "
-                f"got {self.sign_changes!r}"
+                f"slow_window must be an integer of at least 2, got {self.slow_window!r}"
             )
+        for prefix, window in (("", self.window), ("slow_", self.slow_window)):
+            changes = getattr(self, f"{prefix}sign_changes")
+            if not 1 <= changes < window:
+                raise ValueError(
+                    f"{prefix}sign_changes must be from 1 to {prefix}window − 1 = {window - 1}, "
+                    f"got {changes!r}"
+                )
         for name in ("error_breakpoints", "gains", "oscillating_gains"):
             if len(getattr(self, name)) != 3:
                 raise ValueError(
@@ -61,7 +92,11 @@ class GainSupervisorConfig:
                 raise ValueError(
                     f"{name} must be finite and not negative, got {getattr(self, name)!r}"
                 )
-        for name in ("dead_band", "initial_gain"):
+        if not 0.0 < self.calming <= 1.0:
+            raise ValueError(f"calming must be in (0, 1], got {self.calming!r}")
+        if not (isfinite(self.recovery) and self.recovery > 1.0):
+            raise ValueError(f"recovery must be finite and above 1, got {self.recovery!r}")
+        for name in ("dead_band", "initial_gain", "calm_damping"):
             if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
                 raise ValueError(
                     f"{name} must be finite and not negative, got {getattr(self, name)!r}"
@@ -86,37 +121,59 @@ class GainSupervision:
 
     What it remembers is a vector that the caller keeps, so that a block's Context can:
 
-    - the largest number of sign changes of a joint, how many errors and how many cycles are known;
+    - the largest number of sign changes of a joint in the window, how many errors are known, the calm of
+      the gain (a factor from 1 down to `LEAST_CALM`), the largest number of sign changes in the slow
+      window, how many cycles are known;
     - the joints whose last motion was positive, and those whose was negative (bit j: joint j);
+    - while the calm may change, the last error and the length of the last joint step;
     - the last `window` errors, and the joints that changed sign (bits too) between each two of the
-      last `window` cycles, both as rings.
+      last `window` cycles, and of the last `slow_window`, as rings.
+
+    Past the paper: the gain of Table I is multiplied by the calm. It shrinks while a joint oscillates,
+    grows while the error falls and wakes when the target moves; else it stays, so that the arm rests
+    where the error can't be made smaller.
 
     Until `window` errors are known there is no average to compare with and an error counts as
     medium. An error of exactly zero tells nothing and is not remembered. One that is not finite
     counts as big and is not remembered either; a joint step that is not finite has no sign.
 
+    Args:
+        config: the constants.
+        error_limit: for the gain a longer error counts as this long [m].
+
     Raises:
         ValueError: naming the bad value and the valid ones.
     """
 
-    def __init__(self, config: GainSupervisorConfig | None = None) -> None:
+    def __init__(
+        self, config: GainSupervisorConfig | None = None, *, error_limit: float = inf
+    ) -> None:
         config = config or GainSupervisorConfig()
         config.validate()
         self.rules = gain_rules(config)
         self._window = config.window
         self._errors = slice(HEAD, HEAD + config.window)
-        self._flips = slice(HEAD + config.window, HEAD + 2 * config.window - 1)
-        self._threshold = config.sign_changes
+        self._flips = slice(self._errors.stop, self._errors.stop + config.window - 1)
+        self._slow_flips = slice(self._flips.stop, self._flips.stop + config.slow_window - 1)
+        self._slow_window = config.slow_window
+        self._threshold, self._slow_threshold = config.sign_changes, config.slow_sign_changes
         self._medium = float(config.error_breakpoints[1])
         self._dead_band = config.dead_band
+        self._calming, self._recovery = config.calming, config.recovery
+        self._calm_damping = config.calm_damping
+        self._error_limit = error_limit
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
-        return np.zeros(self._flips.stop)
+        memory = np.zeros(self._slow_flips.stop)
+        memory[CALM] = 1.0
+        return memory
 
     def gain(self, memory: Array, error: float) -> float:
         """The gain for an error of length `error` [m]."""
-        changes, known = memory[:2].tolist()
+        changes, known, calm = memory[: CALM + 1].tolist()
+        if self._error_limit < error < inf:
+            error = self._error_limit
         if not 0.0 < error < inf:
             relative = 0.0 if error == 0.0 else inf
         elif known + 1 < self._window:
@@ -125,7 +182,15 @@ class GainSupervision:
             errors = memory[self._errors].tolist()
             errors[int(known) % self._window] = error  # in place of the oldest
             relative = error * self._window / sum(errors)
-        return self.rules.evaluate(relative, changes)
+        return calm * self.rules.evaluate(relative, changes)
+
+    def calm(self, memory: Array) -> float:
+        """The factor of the gain: 1, or less after an oscillation."""
+        return float(memory[CALM])
+
+    def damping(self, memory: Array) -> float:
+        """Damping of the scaled Jacobian, 0 as long as the gain is not calmed [-]."""
+        return self._calm_damping * (1.0 - float(memory[CALM]))
 
     def oscillating(self, memory: Array) -> bool:
         """True while the steps of a joint change sign `sign_changes` times within the window."""
@@ -133,9 +198,10 @@ class GainSupervision:
 
     def remember(self, memory: Array, error: float, joint_step: Array) -> None:
         """Write a cycle with an error of length `error` [m] and these joint steps into `memory`."""
-        changes, known, cycles, was_positive, was_negative = map(int, memory[:HEAD].tolist())
+        changes, known, calm, *head = memory[:LAST_ERROR].tolist()
+        slow, cycles, was_positive, was_negative = map(int, head)
         if 0.0 < error < inf:
-            memory[HEAD + known % self._window] = error
+            memory[HEAD + int(known) % self._window] = min(error, self._error_limit)
             known += 1
         positive = negative = 0
         bit, dead_band = 1, self._dead_band
@@ -147,14 +213,49 @@ class GainSupervision:
             bit <<= 1
         flips = positive & was_negative | negative & was_positive
         slot = self._flips.start + cycles % (self._window - 1)
+        slow_slot = self._slow_flips.start + cycles % (self._slow_window - 1)
         if flips or memory[slot]:  # else the count stays
             memory[slot] = flips
             changes = _most_changes(memory[self._flips].tolist())
-        positive, negative = (
+        if flips or memory[slow_slot]:
+            memory[slow_slot] = flips
+            slow = _most_changes(memory[self._slow_flips].tolist())
+        oscillates = changes >= self._threshold or slow >= self._slow_threshold
+        if (oscillates or calm < 1.0) and error < inf:
+            if calm < 1.0 and _target_moved(memory, error):
+                memory[self._flips.start :] = changes = slow = 0  # what was seen holds no more
+                calm = max(calm, AWAKE)
+            else:
+                calm = self._next_calm(memory, changes, slow, calm, error)
+            motion = length(joint_step)
+            memory[LAST_ERROR:HEAD] = error, motion if isfinite(motion) else 0.0
+        memory[:LAST_ERROR] = (
+            changes,
+            known,
+            calm,
+            slow,
+            cycles + 1,
             positive | was_positive & ~negative,
             negative | was_negative & ~positive,
         )
-        memory[:HEAD] = changes, known, cycles + 1, positive, negative
+
+    def _next_calm(
+        self, memory: Array, changes: int, slow: int, calm: float, error: float
+    ) -> float:
+        errors = memory[self._errors].tolist()
+        # Behind a target that shakes the error is now small, now large.
+        stays = min(errors) > 0.5 * max(errors)
+        if changes >= self._threshold or (slow >= self._slow_threshold and stays):
+            return max(LEAST_CALM, calm * self._calming)
+        last_error = float(memory[LAST_ERROR])
+        falls = last_error - error > PROGRESS * calm * last_error
+        return min(1.0, calm * self._recovery) if falls else calm
+
+
+def _target_moved(memory: Array, error: float) -> bool:
+    """True if the error changed by more than the joints can have changed it."""
+    last_error, last_step = memory[LAST_ERROR:HEAD].tolist()
+    return bool(abs(error - last_error) > TARGET_MOVED * last_step)
 
 
 def _most_changes(flips: list[float]) -> int:

@@ -9,10 +9,19 @@ Array = NDArray[np.float64]
 
 
 class Law(Protocol):
-    """A pure function (J, dr) to a joint step; `FuzzyIk` and the controllers take any."""
+    """A pure function (J, dr) to a joint step; `FuzzyIk` and the controllers take any.
+
+    A law with an attribute `takes_damping` that is true takes the supervisor's damping as a third
+    argument of `step`.
+    """
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) for a Jacobian (…,m,n) and a task error (…,m)."""
 
     def step(self, J: Array, dr: Array) -> Array:
         """The same for one (m,n) and one (m,), unchecked, for a control loop."""
+
+
+def takes_damping(law: Law) -> bool:
+    """True if the law's `step` takes a damping."""
+    return bool(getattr(law, "takes_damping", False))

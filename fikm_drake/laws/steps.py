@@ -31,14 +31,3 @@ def low_pass(value: Signal, previous: Signal, smoothing: float) -> Signal:
     In the order of Drake's LinearSystem, so that the fused block rounds as the Diagram does.
     """
     return smoothing * previous + (1.0 - smoothing) * value
-
-
-def integrate(position: Array, joint_step: Array, lower: Array, upper: Array) -> Array:
-    """The position plus the joint step, held inside the limits; all (n,)."""
-    return np.minimum(np.maximum(position + joint_step, lower), upper)
-
-
-def is_limited(position: Array, joint_step: Array, lower: Array, upper: Array) -> bool:
-    """True if a joint limit takes away a part of the joint step."""
-    moved = position + joint_step
-    return bool((moved < lower).any() or (moved > upper).any())

@@ -16,12 +16,15 @@ from pydrake.systems.framework import (
 )
 
 from fikm_drake.laws.controller_status import controller_status
+from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.gain_supervision import GainSupervision
-from fikm_drake.laws.law import Law
-from fikm_drake.laws.safe_step import safe_step
-from fikm_drake.laws.steps import amplify, integrate, is_limited, length, low_pass
+from fikm_drake.laws.joint_limits import JointLimits
+from fikm_drake.laws.law import Law, takes_damping
+from fikm_drake.laws.steps import amplify, length, low_pass
+from fikm_drake.systems.detour_planner import make_detour
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position, set_command
+from fikm_drake.systems.safe_steps import make_safe_step
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 Array = NDArray[np.float64]
@@ -79,29 +82,37 @@ class FusedFuzzyIk(LeafSystem):
         super().__init__()
         config.validate()
         self._kinematics = make_tool_kinematics(plant, config.frame, config.make_task())
-        self._law = law
-        self._supervision = GainSupervision(config.supervisor)
+        kinematics = self._kinematics
+        self._damped = takes_damping(law)
+        self._safe_step = make_safe_step(kinematics, law, **config.step_options())
+        self._supervision = GainSupervision(config.supervisor, error_limit=config.error_limit)
+        self._limits = JointLimits(
+            kinematics.lower, kinematics.upper, period=config.period, **config.rates(kinematics)
+        )
+        self._detour = make_detour(kinematics, **config.detour_options()) if config.detour else None
         self._config = dataclasses.replace(config)
-        self._lower = self._kinematics.lower
-        self._upper = self._kinematics.upper
-        n, m = self._kinematics.num_joints, self._kinematics.task.size
+        n, m = kinematics.num_joints, kinematics.task.size
         self._no_error, self._hold = np.zeros(m), np.zeros(n)
 
-        self._desired = self._kinematics.declare_desired(self).Eval
+        self._desired = kinematics.declare_desired(self).Eval
         self._estimated = (
             self.DeclareVectorInputPort("estimated_position", n).Eval
             if config.measured_position
             else None
         )
-        position = self.DeclareDiscreteState(self._kinematics.default_position)
+        # The command, its velocity, the filters, the supervisor's memory, the detour's.
+        self._states = range(5 if self._detour else 4)
+        position = self.DeclareDiscreteState(kinematics.default_position)
         velocity = self.DeclareDiscreteState(n)
-        self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m])  # the filters
+        self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m])
         self.DeclareDiscreteState(self._supervision.initial_memory())
+        if self._detour:
+            self.DeclareDiscreteState(self._detour.initial_memory())
         self.DeclareStateOutputPort("commanded_position", position)
         self.DeclareStateOutputPort("commanded_velocity", velocity)
-        self._declare_output("joint_step", n, lambda cycle, *_: cycle.joint_step)
-        self._declare_output("task_error", m, lambda cycle, *_: cycle.error)
-        self._declare_output("gain", 1, lambda cycle, *_: cycle.gain)
+        self._declare_output("joint_step", n, lambda cycle, _: cycle.joint_step)
+        self._declare_output("task_error", m, lambda cycle, _: cycle.error)
+        self._declare_output("gain", 1, lambda cycle, _: cycle.gain)
         self.DeclareVectorOutputPort(
             "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
         )
@@ -115,15 +126,16 @@ class FusedFuzzyIk(LeafSystem):
             ValueError: naming the bad value.
             RuntimeError: the context is another system's.
         """
-        set_command(self, context, check_position(position, self._lower, self._upper))
+        set_command(self, context, check_position(position, self._limits.lower, self._limits.upper))
 
-    def _declare_output(self, name: str, size: int, pick: Callable[..., Array | float]) -> None:
-        """An output picked from (cycle, command, memory), computed when somebody asks."""
+    def _declare_output(
+        self, name: str, size: int, pick: Callable[[_Cycle, list[Array]], Array | float]
+    ) -> None:
+        """An output picked from a cycle and the states before it, computed when somebody asks."""
 
         def calc(context: Context, output: BasicVector) -> None:
-            command, filters, memory = (context.get_discrete_state(i).value() for i in (0, 2, 3))
-            cycle = self._cycle(context, command, filters, memory)
-            output.get_mutable_value()[:] = pick(cycle, command, memory)
+            states = [context.get_discrete_state(i).value() for i in self._states]
+            output.get_mutable_value()[:] = pick(self._cycle(context, states), states)
 
         self.DeclareVectorOutputPort(
             name,
@@ -132,48 +144,57 @@ class FusedFuzzyIk(LeafSystem):
             prerequisites_of_calc={self.all_input_ports_ticket(), self.xd_ticket()},
         )
 
-    def _cycle(self, context: Context, command: Array, filters: Array, memory: Array) -> _Cycle:
+    def _cycle(self, context: Context, states: list[Array]) -> _Cycle:
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
         config = self._config
+        command, _, filters, memory = states[:4]
         q = command if self._estimated is None else self._estimated(context)
         error, J = self._kinematics.error_and_jacobian(self._desired(context), q)
         size = length(error)
         valid = isfinite(size)
         if not valid:
             error, size = self._no_error, 0.0
-        limit = config.error_limit
-        gain = self._supervision.gain(memory, min(size, limit))
+        gain = self._supervision.gain(memory, size)
         filtered_gain = low_pass(gain, float(filters[0]), config.gain_smoothing)
-        amplified = amplify(filtered_gain, error, size, limit)
+        amplified = amplify(filtered_gain, error, size, config.error_limit)
         filtered_error = low_pass(amplified, filters[1:], config.error_smoothing)
         step = self._hold
         if valid:
-            jacobian = self._kinematics.jacobian
-            longest, aside = config.longest_step, config.side_step
-            step = safe_step(self._law, jacobian, q, J, filtered_error, longest, aside)
+            damping = self._supervision.damping(memory) if self._damped else None
+            step = self._safe_step(q, J, filtered_error, damping)
+            if self._detour:
+                step = self._detour.step(states[4], q, step)
         return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
         memory = context.get_discrete_state(3).value()
         output[0] = self._supervision.oscillating(memory)
 
-    def _status(self, cycle: _Cycle, command: Array, memory: Array) -> float:
+    def _status(self, cycle: _Cycle, states: list[Array]) -> float:
+        command, velocity, _, memory = states[:4]
         return controller_status(
             valid=cycle.valid,
             error=cycle.error_length,
             tolerance=self._config.tolerance,
-            limited=is_limited(command, cycle.joint_step, self._lower, self._upper),
+            limited=self._limits.limits(command, cycle.joint_step, velocity),
             oscillating=self._supervision.oscillating(memory),
+            calm=self._supervision.calm(memory),
+            detour=self._detour.state(states[4]) if self._detour else DetourState.NONE,
         )
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
-        command = discrete_state.get_mutable_value(0)
-        filters, memory = discrete_state.get_mutable_value(2), discrete_state.get_mutable_value(3)
-        cycle = self._cycle(context, command, filters, memory)
-        after = integrate(command, cycle.joint_step, self._lower, self._upper)
-        discrete_state.set_value(1, (after - command) * self._config.control_rate)
+        get = discrete_state.get_mutable_value
+        states = [get(i) for i in self._states]
+        command, velocity, filters, memory = states[:4]
+        cycle = self._cycle(context, states)
+        if self._detour and cycle.valid:
+            q = command if self._estimated is None else self._estimated(context)
+            self._detour.remember(states[4], self._desired(context), q, cycle.error_length)
+        elif self._detour:
+            states[4][:] = self._detour.initial_memory()
+        after = self._limits.integrate(command, cycle.joint_step, velocity)
+        velocity[:] = (after - command) * self._config.control_rate
         command[:] = after
         filters[0], filters[1:] = cycle.filtered_gain, cycle.filtered_error
-        size = min(cycle.error_length, self._config.error_limit)
-        self._supervision.remember(memory, size, cycle.joint_step)
+        self._supervision.remember(memory, cycle.error_length, cycle.joint_step)

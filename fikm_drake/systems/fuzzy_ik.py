@@ -1,5 +1,6 @@
 """The differential-IK block: a task error in, a joint step out."""
 
+from collections.abc import Sequence
 from math import inf
 
 import numpy as np
@@ -8,12 +9,13 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
-from fikm_drake.laws.law import Law
-from fikm_drake.laws.safe_step import safe_step
+from fikm_drake.laws.law import Law, takes_damping
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_not_negative, check_positive
+from fikm_drake.systems.safe_steps import make_safe_step
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port
+
+NO_DAMPING = np.zeros(0)
 
 
 class FuzzyIk(LeafSystem):
@@ -26,6 +28,7 @@ class FuzzyIk(LeafSystem):
         - task_error
         - position
         - guard
+        - damping
         output_ports:
         - joint_step
         - valid
@@ -34,6 +37,7 @@ class FuzzyIk(LeafSystem):
     - **position** (n) [rad or m]: the joints.
     - **guard**, only if `guarded`: the target, as of `TaskError`, which must be finite too; else the
       filters before `task_error` would let the arm coast after the target is lost.
+    - **damping** (1) [-], only if `damped`: as of `GainSupervisor`, for a law that takes it.
     - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
 
@@ -43,12 +47,18 @@ class FuzzyIk(LeafSystem):
         frame: name of the tool's frame.
         task: the coordinates that count, see `Task`.
         guarded: whether there is the port `guard`.
+        damped: whether there is the port `damping`; the law must take it, see `Law`.
         longest_step: a longer joint step is shortened to this length [rad or m].
-        side_step: largest joint motion of the step that leaves a dead point, see `laws.side_step`
-            [rad or m]; 0: the arm stays there.
+        limit_zone: distance from a joint limit within which a joint that moves toward it counts less
+            [rad or m], see `laws.limit_weights`; 0: limits are not seen.
+        posture_gain: fraction of the way to the nominal posture that a cycle takes, as far as the
+            task leaves the joints free [-].
+        nominal_position: that posture (n) [rad or m]; empty: the middle of the joint limits.
+        side_step: joint motion aside at a dead point, over the length of `task_error` [rad/m], see
+            `laws.safe_step`; 0: the arm stays there.
 
     Raises:
-        ValueError: see `ToolKinematics` and `Task`.
+        ValueError: naming the bad value; see `ToolKinematics` and `Task` too.
     """
 
     def __init__(
@@ -59,14 +69,27 @@ class FuzzyIk(LeafSystem):
         frame: str = "tool",
         task: str | Task = "position",
         guarded: bool = False,
+        damped: bool = False,
         longest_step: float = inf,
+        limit_zone: float = 0.0,
+        posture_gain: float = 0.0,
+        nominal_position: Sequence[float] = (),
         side_step: float = 0.0,
     ) -> None:
         super().__init__()
         self._kinematics = make_tool_kinematics(plant, frame, task)
-        self._law = law or FuzzyMapping()
-        self._longest_step = check_positive("longest_step", longest_step)
-        self._side_step = check_not_negative("side_step", side_step)
+        law = law or FuzzyMapping()
+        if damped and not takes_damping(law):
+            raise ValueError(f"damped needs a law that takes damping, {law!r} does not")
+        self._safe_step = make_safe_step(
+            self._kinematics,
+            law,
+            longest_step=longest_step,
+            limit_zone=limit_zone,
+            posture_gain=posture_gain,
+            nominal_position=nominal_position,
+            side_step=side_step,
+        )
         n = self._kinematics.num_joints
         self._hold = np.zeros(n)
         m = self._kinematics.task.size
@@ -75,6 +98,7 @@ class FuzzyIk(LeafSystem):
         self._guard = None
         if guarded:
             self._guard = self._kinematics.declare_desired(self, "guard").Eval
+        self._damping = self.DeclareVectorInputPort("damping", 1).Eval if damped else None
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -85,13 +109,11 @@ class FuzzyIk(LeafSystem):
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
+        damping = self._damping(context) if self._damping else NO_DAMPING
         lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
-        if lost or not all_finite(error):
+        if lost or not (all_finite(error) and all_finite(damping)):
             output.set_value(self._hold)
             return
-        q, jacobian = self._position(context), self._kinematics.jacobian
-        output.set_value(
-            safe_step(
-                self._law, jacobian, q, jacobian(q), error, self._longest_step, self._side_step
-            )
-        )
+        q = self._position(context)
+        J = self._kinematics.jacobian(q)
+        output.set_value(self._safe_step(q, J, error, *damping.tolist()))

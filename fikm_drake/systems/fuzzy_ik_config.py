@@ -2,12 +2,16 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
 from fikm_drake.laws.gain_supervision import GainSupervisorConfig
 from fikm_drake.systems.checks import check_not_negative, check_positive, check_smoothing
+from fikm_drake.systems.tool_kinematics import ToolKinematics
 
 
 @dataclass
@@ -36,10 +40,27 @@ class FuzzyIkConfig:
     longest_step: float = 0.5
     """A longer joint step of a cycle is shortened to this length [rad or m]. The paper's law stays
     far below; `iterations` near a singular posture need it."""
-    side_step: float = 0.0
-    """Largest joint motion of a step that leaves a dead point, such as a stretched arm whose target
-    lies straight inward [rad or m]; 0.1 is good. 0: the arm stays there, as in the paper. Near a
-    target that is out of reach, steps can be repeated for ever."""
+    side_step: float = 0.01
+    """Joint motion aside at a dead point, such as a stretched arm whose target lies straight inward, over
+    the amplified error [rad/m]; 0: the arm stays there, as in the paper."""
+    limit_zone: float = 0.1
+    """Distance from a joint limit within which a joint that moves toward it counts less [rad or m];
+    0: the command is only cut off at the limit."""
+    posture_gain: float = 0.0
+    """Rate at which a redundant arm goes to its nominal posture, as far as the task leaves it free
+    [1/s]; 0: it does not."""
+    nominal_position: list[float] = field(default_factory=list)
+    """The nominal posture (n) [rad or m]; empty: the middle of the joint limits, the plant's default
+    for joints without."""
+    velocity_limit: float = inf
+    """Largest joint speed, if the plant's own limits are not lower [rad/s or m/s]."""
+    acceleration_limit: float = inf
+    """Largest joint acceleration, if the plant's own limits are not lower [rad/s² or m/s²]."""
+    detour: bool = False
+    """Search for another posture where the law comes to rest before the target: out of dead points and
+    local minima at joint limits; see `laws.detour`. The arm may then move far, and not along the task."""
+    detour_speed: float = 1.5
+    """Of the fastest joint on the way to that posture [rad/s or m/s]."""
     tolerance: float = 1e-3
     """A task error up to this counts as converged [m]."""
     gain_smoothing: float = 2.0 / 3.0
@@ -60,6 +81,15 @@ class FuzzyIkConfig:
     supervisor: GainSupervisorConfig = field(default_factory=GainSupervisorConfig)
     """The constants of section 2.7."""
 
+    @classmethod
+    def as_in_paper(cls, **changes: Any) -> "FuzzyIkConfig":
+        """Xu & Nechyba's controller, without what calms and bounds ours; `changes` by field name."""
+        changes.setdefault("supervisor", GainSupervisorConfig(calming=1.0))
+        return cls(
+            **{"error_limit": inf, "longest_step": inf, "limit_zone": 0.0, "side_step": 0.0}
+            | changes
+        )
+
     @property
     def period(self) -> float:
         """Of the control cycle [s]."""
@@ -73,6 +103,33 @@ class FuzzyIkConfig:
         """
         return Task(self.task, self.characteristic_length)
 
+    def step_options(self) -> dict[str, Any]:
+        """Options of `FuzzyIk` by name."""
+        return {
+            "longest_step": self.longest_step,
+            "limit_zone": self.limit_zone,
+            "posture_gain": self.posture_gain * self.period,
+            "nominal_position": self.nominal_position,
+            "side_step": self.side_step,
+        }
+
+    def rates(self, kinematics: ToolKinematics) -> dict[str, Any]:
+        """Limits of speed and acceleration, the plant's too, as options of `JointIntegrator`."""
+        return {
+            "velocity_limit": np.minimum(kinematics.velocity_limit, self.velocity_limit),
+            "acceleration_limit": np.minimum(
+                kinematics.acceleration_limit, self.acceleration_limit
+            ),
+        }
+
+    def detour_options(self) -> dict[str, float]:
+        """Options of `DetourPlanner` by name."""
+        return {
+            "period": self.period,
+            "tolerance": self.tolerance,
+            "speed": self.detour_speed,
+        }
+
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
         if self.method not in METHODS:
@@ -82,7 +139,15 @@ class FuzzyIkConfig:
             raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
         for name in ("error_limit", "tolerance", "longest_step"):
             check_positive(name, getattr(self, name))
-        check_not_negative("side_step", self.side_step)
+        for name in ("velocity_limit", "acceleration_limit", "detour_speed"):
+            check_positive(name, getattr(self, name))
+        for name in ("side_step", "limit_zone"):
+            check_not_negative(name, getattr(self, name))
+        if not 0.0 <= self.posture_gain <= self.control_rate:
+            raise ValueError(
+                f"posture_gain must be from 0 to control_rate = {self.control_rate:g} [1/s], "
+                f"got {self.posture_gain!r}"
+            )
         for name in ("gain_smoothing", "error_smoothing"):
             check_smoothing(name, getattr(self, name))
         self.supervisor.validate()

@@ -1,7 +1,10 @@
 """The block that chooses the gain and sees oscillation."""
 
+from collections.abc import Callable
 from math import inf
 
+import numpy as np
+from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.laws.gain_supervision import MAX_JOINTS, GainSupervision, GainSupervisorConfig
@@ -22,6 +25,8 @@ class GainSupervisor(LeafSystem):
         output_ports:
         - gain
         - oscillating
+        - calm
+        - damping
         - valid
 
     - **task_error** (m) [m]: the error of this cycle; only its length counts.
@@ -29,7 +34,10 @@ class GainSupervisor(LeafSystem):
       end, so `gain` does not feed through from it.
     - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the
       sign changes of the last joint steps; that of a big error while `task_error` is not finite.
+      Multiplied by `calm`.
     - **oscillating** (1): 1 while the steps of a joint change sign too often, else 0.
+    - **calm** (1) [-]: factor of the gain, 1 until a joint oscillates, see `GainSupervision`.
+    - **damping** (1) [-]: for a law that takes it, 0 while `calm` is 1.
     - **valid** (1): 1 while every input is finite, else 0. What is not finite is not remembered.
 
     Args:
@@ -56,8 +64,8 @@ class GainSupervisor(LeafSystem):
         check_sizes(num_rows=num_rows, num_joints=num_joints)
         if num_joints > MAX_JOINTS:
             raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
-        self._supervision = GainSupervision(config)
-        self._error_limit = check_positive("error_limit", error_limit)
+        limit = check_positive("error_limit", error_limit)
+        self._supervision = GainSupervision(config, error_limit=limit)
         error = self.DeclareVectorInputPort("task_error", num_rows)
         step = self.DeclareVectorInputPort("joint_step", num_joints)
         self._error, self._step = error.Eval, step.Eval
@@ -68,24 +76,25 @@ class GainSupervisor(LeafSystem):
             self._calc_gain,
             prerequisites_of_calc={error.ticket(), self.xd_ticket()},
         )
-        self.DeclareVectorOutputPort(
-            "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
-        )
+        supervision = self._supervision
+        self._declare("oscillating", supervision.oscillating)
+        self._declare("calm", supervision.calm)
+        self._declare("damping", supervision.damping)
         declare_valid_port(self)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 
-    def _length(self, context: Context) -> float:
-        size = length(self._error(context))
-        return self._error_limit if self._error_limit < size < inf else size
-
     def _calc_gain(self, context: Context, output: BasicVector) -> None:
         memory = context.get_discrete_state_vector().value()
-        output[0] = self._supervision.gain(memory, self._length(context))
+        output[0] = self._supervision.gain(memory, length(self._error(context)))
 
-    def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
-        memory = context.get_discrete_state_vector().value()
-        output[0] = self._supervision.oscillating(memory)
+    def _declare(self, name: str, read: Callable[[NDArray[np.float64]], float]) -> None:
+        """An output that is read from the memory."""
+
+        def calc(context: Context, output: BasicVector) -> None:
+            output[0] = read(context.get_discrete_state_vector().value())
+
+        self.DeclareVectorOutputPort(name, 1, calc, prerequisites_of_calc={self.xd_ticket()})
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
-        self._supervision.remember(memory, self._length(context), self._step(context))
+        self._supervision.remember(memory, length(self._error(context)), self._step(context))

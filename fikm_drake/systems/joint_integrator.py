@@ -1,10 +1,13 @@
 """The block that adds up joint steps to a joint command."""
 
+from math import inf
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.laws.steps import all_finite, integrate, is_limited
+from fikm_drake.laws.joint_limits import JointLimits
+from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -28,14 +31,18 @@ class JointIntegrator(LeafSystem):
     - **joint_step** (n) [rad or m]: of this cycle.
     - **position** (n) [rad or m]: the command, from the state.
     - **velocity** (n) [rad/s or m/s]: the last change of the command over the period, from the state.
-    - **valid** (1): 1 while the input is finite, else 0. An input that is not finite changes nothing.
-    - **limited** (1): 1 while a joint limit takes away a part of `joint_step`, else 0.
+    - **valid** (1): 1 while the input is finite, else 0. An input that is not finite counts as zeros.
+    - **limited** (1): 1 while a limit of position, speed or acceleration takes away a part of
+      `joint_step`, else 0.
 
     Args:
         lower: lower limits (n,) [rad or m]; −inf for none.
         upper: upper limits (n,) [rad or m]; inf for none.
         period: of the control cycle [s].
         initial_position: (n,) [rad or m]; `SetPositions` changes it in a Context.
+        velocity_limit: largest speed, one for all joints or (n,) [rad/s or m/s].
+        acceleration_limit: largest acceleration, one for all joints or (n,) [rad/s² or m/s²]; the
+            command then brakes before the position limits and before its own end.
 
     Raises:
         ValueError: naming the bad value.
@@ -48,12 +55,21 @@ class JointIntegrator(LeafSystem):
         *,
         period: float,
         initial_position: ArrayLike,
+        velocity_limit: ArrayLike = inf,
+        acceleration_limit: ArrayLike = inf,
     ) -> None:
         super().__init__()
         self._lower, self._upper = check_limits(lower, upper)
         start = check_position(initial_position, self._lower, self._upper)
         n = len(start)
         self._rate = 1.0 / check_period(period)
+        self._limits = JointLimits(
+            self._lower,
+            self._upper,
+            period=period,
+            velocity_limit=velocity_limit,
+            acceleration_limit=acceleration_limit,
+        )
         step = self.DeclareVectorInputPort("joint_step", n)
         self._step = step.Eval
         position = self.DeclareDiscreteState(start)
@@ -79,17 +95,18 @@ class JointIntegrator(LeafSystem):
         set_command(self, context, check_position(position, self._lower, self._upper))
 
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
-        q, step = context.get_discrete_state(0).value(), self._step(context)
-        output[0] = all_finite(step) and is_limited(q, step, self._lower, self._upper)
+        q, velocity = (context.get_discrete_state(i).value() for i in (0, 1))
+        step = self._step(context)
+        output[0] = all_finite(step) and self._limits.limits(q, step, velocity)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         step = self._step(context)
         if not all_finite(step):
-            discrete_state.set_value(1, np.zeros_like(step))
-            return
+            step = np.zeros_like(step)
         position = discrete_state.get_mutable_value(0)  # holds q until it is written
-        after = integrate(position, step, self._lower, self._upper)
-        discrete_state.set_value(1, (after - position) * self._rate)
+        velocity = discrete_state.get_mutable_value(1)
+        after = self._limits.integrate(position, step, velocity)
+        velocity[:] = (after - position) * self._rate
         position[:] = after
 
 
@@ -114,15 +131,13 @@ def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
     return lower, upper
 
 
-def check_position(position: ArrayLike, lower: Array, upper: Array) -> Array:
+def check_position(
+    position: ArrayLike, lower: Array, upper: Array, *, name: str = "joint position"
+) -> Array:
     """The joint position (n,); ValueError, naming the joint, unless it is finite and inside limits."""
     position = np.array(position, dtype=float)
     if position.shape != lower.shape or not np.isfinite(position).all():
-        raise ValueError(
-            f"joint position must be {len(lower)} finite numbers, got {position.tolist()}"
-        )
+        raise ValueError(f"{name} must be {len(lower)} finite numbers, got {position.tolist()}")
     for j in np.flatnonzero((position < lower) | (position > upper)):
-        raise ValueError(
-            f"joint position {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}"
-        )
+        raise ValueError(f"{name} {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}")
     return position

@@ -5,6 +5,7 @@ from math import isfinite
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.laws.controller_status import controller_status
+from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.steps import length
 from fikm_drake.systems.checks import check_positive, check_sizes
 
@@ -20,29 +21,35 @@ class StatusMonitor(LeafSystem):
         - valid
         - limited
         - oscillating
+        - calm
+        - detour
         output_ports:
         - status
 
     - **task_error** (m) [m].
     - **valid**, **limited**, **oscillating** (1 each): 0 or 1, from the blocks' ports of these names.
+    - **calm** (1) [-]: of `GainSupervisor`.
+    - **detour** (1): of `DetourPlanner`; the port exists with `detour` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
 
     Args:
         size: m.
         tolerance: an error of this length counts as converged [m].
+        detour: whether there is the port `detour`.
 
     Raises:
         ValueError: naming the bad value.
     """
 
-    def __init__(self, size: int, *, tolerance: float = 1e-3) -> None:
+    def __init__(self, size: int, *, tolerance: float = 1e-3, detour: bool = False) -> None:
         super().__init__()
         check_sizes(size=size)
         self._tolerance = check_positive("tolerance", tolerance)
         self._error = self.DeclareVectorInputPort("task_error", size)
         self._flags = [
-            self.DeclareVectorInputPort(name, 1) for name in ("valid", "limited", "oscillating")
+            self.DeclareVectorInputPort(name, 1)
+            for name in ("valid", "limited", "oscillating", "calm", *["detour"] * detour)
         ]
         self.DeclareVectorOutputPort(
             "status",
@@ -52,12 +59,15 @@ class StatusMonitor(LeafSystem):
         )
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        valid, limited, oscillating = (float(port.Eval(context)[0]) for port in self._flags)
+        flags = [float(port.Eval(context)[0]) for port in self._flags]
+        valid, limited, oscillating, calm = flags[:4]
         error = length(self._error.Eval(context))
         output[0] = controller_status(
-            valid=bool(valid) and isfinite(valid + limited + oscillating + error),
+            valid=bool(valid) and isfinite(sum(flags) + error),
             error=error,
             tolerance=self._tolerance,
             limited=bool(limited),
             oscillating=bool(oscillating),
+            calm=calm,
+            detour=flags[4] if flags[4:] else DetourState.NONE,
         )

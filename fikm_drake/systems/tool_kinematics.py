@@ -69,6 +69,18 @@ class ToolKinematics:
         return np.array(self.plant.GetPositionUpperLimits())
 
     @property
+    def velocity_limit(self) -> Array:
+        """Largest speed (n,) [rad/s or m/s], inf where there is no limit."""
+        plant = self.plant
+        return np.minimum(plant.GetVelocityUpperLimits(), -plant.GetVelocityLowerLimits())
+
+    @property
+    def acceleration_limit(self) -> Array:
+        """Largest acceleration (n,) [rad/s² or m/s²], inf where there is no limit."""
+        plant = self.plant
+        return np.minimum(plant.GetAccelerationUpperLimits(), -plant.GetAccelerationLowerLimits())
+
+    @property
     def default_position(self) -> Array:
         """The plant's default positions, moved inside the limits (n,) [rad or m]."""
         q = self.plant.GetPositions(self.plant.CreateDefaultContext())

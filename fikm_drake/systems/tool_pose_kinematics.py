@@ -45,17 +45,19 @@ class ToolPoseKinematics(ToolKinematics):
         return plant_jacobian_range(self.plant, self._frame)[: self._size] * self._scale[:, None]
 
     def _error(self, context: Any, desired: RigidTransform) -> Array:
-        if not is_finite(desired):
-            return self._no_error
         X_WE = self._calc_pose(context)
         turn = desired.rotation().multiply(X_WE.rotation().inverse()).ToAngleAxis()
-        rotation = self._length * turn.angle() * turn.axis()
-        return np.concatenate([rotation, desired.translation() - X_WE.translation()])[: self._size]
+        rotation = turn.axis()
+        rotation *= self._length * turn.angle()
+        if self._size == 3:
+            return rotation
+        return np.concatenate((rotation, desired.translation() - X_WE.translation()))
 
     def _jacobian(self, context: Any) -> Array:
         world = self._world
         J = self._calc_jacobian(context, VELOCITY, self._frame, ORIGIN, world, world)
-        return J[: self._size] * self._scale[:, None]
+        J[:3] *= self._length
+        return J[: self._size]
 
 
 def make_tool_kinematics(plant: MultibodyPlant, frame: str, task: str | Task) -> ToolKinematics:

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
 import fikm_drake as fd
@@ -48,20 +50,22 @@ def ports():
 
 @pytest.fixture(scope="session")
 def run(ports):
-    """run(plant, config, start, desired (N,m)) -> every output of every cycle, as arrays.
+    """run(plant, config, start, desired (N,m) or N poses) -> outputs of every cycle, as arrays.
 
-    `measure(k, commanded)` gives the measured joints where the config wants them. The outputs are
-    read before the cycle's update; `after` is the command after the last.
+    `measure(k, commanded)` gives the measured joints where the config wants them; `only` names the
+    outputs that are wanted, if not all. The outputs are read before the cycle's update; `after` is the
+    command after the last.
     """
 
-    def run(plant, config, start, desired, measure=None):
+    def run(plant, config, start, desired, measure=None, only=None):
         controller = fd.MakeFuzzyIkController(plant, config=config)
         context = controller.CreateDefaultContext()
         controller.SetPositions(context, start)
         command = controller.GetOutputPort("commanded_position")
-        series = {name: [] for name in ports(controller)[1]}
+        series = {name: [] for name in only or ports(controller)[1]}
         for k, target in enumerate(desired):
-            controller.GetInputPort("desired_position").FixValue(context, target)
+            target = Value(target) if isinstance(target, RigidTransform) else target
+            controller.get_input_port(0).FixValue(context, target)
             if measure is not None:
                 measured = measure(k, command.Eval(context).copy())
                 controller.GetInputPort("estimated_position").FixValue(context, measured)

@@ -57,6 +57,8 @@ FUSED_RUNS = [
     ("large_step_4", {}),
     ("panda_square", {}),
     ("panda_square", {"measured_position": True}),
+    ("panda_square", {"velocity_limit": 0.4, "acceleration_limit": 3.0, "posture_gain": 1.0}),
+    ("large_step_2", {"iterations": 2, "detour": True}),
 ]
 
 
@@ -88,6 +90,36 @@ def test_fused_equals_the_diagram(name, changes, lost, plant_with, scenario_inpu
     ]
     assert_equal_series(*runs)
     assert np.isfinite(np.concatenate([v.ravel() for v in runs[0].values()])).all()
+
+
+EVERYTHING = {
+    "detour": True,
+    "posture_gain": 0.5,
+    "limit_zone": 0.2,
+    "velocity_limit": 2.0,
+    "acceleration_limit": 20.0,
+    "iterations": 3,
+    "damping": 0.05,
+    "row_floor": 0.02,
+}
+
+
+@pytest.mark.parametrize(("arm", "measured"), [("puma560", False), ("arm7", True)])
+def test_fused_equals_the_diagram_with_every_option(arm, measured, plant_with, run):
+    """Out of reach, lost, back, and straight inward; the calm's damping is in it too."""
+    start = fd.load_arm(arm).default_position + 0.1
+    parts = [(80, [1.6, 0.0, 0.3]), (5, [np.nan] * 3), (80, [0.2, 0.4, 0.4]), (99, [-0.2, 0, 0.3])]
+    desired = np.concatenate([np.tile(target, (cycles, 1)) for cycles, target in parts])
+    config = fd.FuzzyIkConfig(**EVERYTHING, measured_position=measured)
+    measure = (lambda k, commanded: 0.99 * commanded + 0.01 * start) if measured else None
+    runs = [
+        run(plant_with(arm), replace(config, fused=fused), start, desired, measure)
+        for fused in (False, True)
+    ]
+    assert_equal_series(*runs)
+    seen = {Status(int(status)) for status in runs[0]["status"].ravel()}
+    expected = {Status.DETOUR, Status.LIMITED, Status.CALMED, Status.INVALID_INPUT}
+    assert seen >= expected | {Status.OSCILLATING}
 
 
 def test_fused_equals_the_diagram_at_joint_limits(plant_with, run):

@@ -27,7 +27,7 @@ Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 @pytest.mark.parametrize("measured", [False, True])
 @pytest.mark.parametrize("task", ["position", "xz", "y"])
 def test_ports(plant, ports, fused, measured, task):
-    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, task=task)
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, task=task, detour=measured)
     builder = DiagramBuilder()
     controller = fd.AddFuzzyIkController(builder, plant, config=config)
     m = {"position": 3, "xz": 2, "y": 1}[task]
@@ -38,11 +38,11 @@ def test_ports(plant, ports, fused, measured, task):
 
 
 @pytest.mark.parametrize("measured", [False, True])
-def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured):
+@pytest.mark.parametrize("detour", [False, True])
+def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, detour):
     """The command comes from the state, so any loop may be closed around the controller."""
-    controller = fd.MakeFuzzyIkController(
-        plant, config=fd.FuzzyIkConfig(fused=fused, measured_position=measured)
-    )
+    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, detour=detour)
+    controller = fd.MakeFuzzyIkController(plant, config=config)
     for i in range(controller.num_input_ports()):
         through = {name for j, name in enumerate(OUTPUTS) if controller.HasDirectFeedthrough(i, j)}
         assert through == {"joint_step", "task_error", "gain", "status"}
@@ -66,7 +66,7 @@ def test_every_public_system_describes_its_ports():
     """The others are in tests/systems."""
     public = [getattr(fd, name) for name in fd.__all__]
     systems = [x for x in public if isinstance(x, type) and issubclass(x, System)]
-    assert len(systems) == 9
+    assert len(systems) == 10
     for cls in systems:
         assert ".. pydrake_system::" in cls.__doc__
 
@@ -78,6 +78,24 @@ def test_every_public_system_describes_its_ports():
         fd.FuzzyIkConfig(method="direct", frame="arm7::tool", task="xy", control_rate=1000.0),
         fd.FuzzyIkConfig(fused=True, measured_position=True, error_limit=np.inf, tolerance=1e-4),
         fd.FuzzyIkConfig(gain_smoothing=0.0, error_smoothing=0.1, zero_threshold=0.0),
+        fd.FuzzyIkConfig(
+            detour=True,
+            detour_speed=3.0,
+            side_step=0.0,
+            limit_zone=0.0,
+            posture_gain=2.0,
+            nominal_position=[0.1] * 7,
+            velocity_limit=1.5,
+            acceleration_limit=9.0,
+            longest_step=np.inf,
+            supervisor=fd.GainSupervisorConfig(
+                calming=0.9,
+                recovery=1.5,
+                calm_damping=0.0,
+                slow_window=80,
+                slow_sign_changes=9,
+            ),
+        ),
         fd.FuzzyIkConfig(
             supervisor=fd.GainSupervisorConfig(
                 12, [0.1, 0.5, 1.0], [1.0, 2.0, 3.0], [0.0, 0.1, 0.2], 3, 1e-9, 0.5
@@ -106,10 +124,21 @@ def test_partial_yaml_keeps_the_defaults():
     assert loaded == replace(base, task="y")
 
 
+def test_the_config_of_the_paper():
+    """Without what calms and bounds ours; what is asked for besides is kept."""
+    config = fd.FuzzyIkConfig.as_in_paper(fused=True, error_limit=0.2)
+    assert (config.longest_step, config.limit_zone, config.error_limit) == (np.inf, 0.0, 0.2)
+    assert config.supervisor == fd.GainSupervisorConfig(calming=1.0)
+    assert config.fused and not config.detour and config.side_step == 0.0
+    own = fd.GainSupervisorConfig(window=7)
+    assert fd.FuzzyIkConfig.as_in_paper(supervisor=own).supervisor is own
+
+
 def test_two_configs_share_nothing():
     one, other = fd.FuzzyIkConfig(), fd.FuzzyIkConfig()
     one.supervisor.gains[0] = 9.0
-    assert other.supervisor.gains[0] == 1.0
+    one.nominal_position.append(1.0)
+    assert other.supervisor.gains[0] == 1.0 and not other.nominal_position
 
 
 @pytest.mark.parametrize(
@@ -130,7 +159,33 @@ def test_two_configs_share_nothing():
         ({"error_smoothing": -0.1}, ["error_smoothing", "-0.1", "[0, 1)"]),
         ({"error_smoothing": np.nan}, ["error_smoothing", "nan"]),
         ({"zero_threshold": 2.0}, ["zero_threshold", "2.0", "[0, 1)"]),
+        ({"longest_step": 0.0}, ["longest_step", "0.0", "positive"]),
+        ({"longest_step": np.nan}, ["longest_step", "nan"]),
+        ({"side_step": -0.1}, ["side_step", "-0.1", "negative"]),
+        ({"side_step": np.nan}, ["side_step", "nan", "finite"]),
+        ({"limit_zone": -0.1}, ["limit_zone", "-0.1", "negative"]),
+        ({"limit_zone": np.inf}, ["limit_zone", "inf", "finite"]),
+        ({"limit_zone": np.nan}, ["limit_zone", "nan"]),
+        ({"posture_gain": -1.0}, ["posture_gain", "-1.0"]),
+        ({"posture_gain": 50.5}, ["posture_gain", "50.5", "control_rate = 50"]),
+        ({"posture_gain": np.nan}, ["posture_gain", "nan"]),
+        (
+            {"posture_gain": 1.0, "nominal_position": [0.1, 0.2]},
+            ["nominal_position", "[0.1, 0.2]", "7"],
+        ),
+        (
+            {"posture_gain": 1.0, "nominal_position": [np.nan] * 7},
+            ["nominal_position", "nan", "finite"],
+        ),
+        ({"velocity_limit": 0.0}, ["velocity_limit", "0.0", "positive"]),
+        ({"velocity_limit": np.nan}, ["velocity_limit", "nan"]),
+        ({"acceleration_limit": -1.0}, ["acceleration_limit", "-1.0", "positive"]),
+        ({"acceleration_limit": np.nan}, ["acceleration_limit", "nan"]),
+        ({"detour": True, "detour_speed": 0.0}, ["detour_speed", "0.0", "positive"]),
+        ({"detour_speed": np.nan}, ["detour_speed", "nan"]),
         ({"supervisor": fd.GainSupervisorConfig(window=0)}, ["window", "0"]),
+        ({"supervisor": fd.GainSupervisorConfig(calming=0.0)}, ["calming", "0.0", "(0, 1]"]),
+        ({"supervisor": fd.GainSupervisorConfig(recovery=1.0)}, ["recovery", "1.0", "above 1"]),
         (
             {"supervisor": fd.GainSupervisorConfig(error_breakpoints=[0.0, 0.0, 1.0])},
             ["error_breakpoints", "0.0, 0.0"],

@@ -64,11 +64,14 @@ def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
         desired[-3:] = np.nan
         for status in run(plant_with(arm), config, start, desired)["status"].ravel():
             seen.setdefault(Status(int(status)), name)
+    for detour in (False, True):
+        config = fd.FuzzyIkConfig(fused=fused, detour=detour)
+        series = run(plant_with("arm7"), config, Q0, np.tile([2.0, 0.0, 0.0], (200, 1)))
+        for status in series["status"].ravel():
+            seen.setdefault(Status(int(status)), f"out of reach, detour {detour}")
     start = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
-    out_of_reach = np.tile([-0.6, 0.0, 0.1], (300, 1))
-    series = run(plant_with("panda"), fd.FuzzyIkConfig(fused=fused), start, out_of_reach)
-    for status in series["status"].ravel():
-        seen.setdefault(Status(int(status)), "panda")
+    series = run(plant_with("panda"), fd.FuzzyIkConfig(fused=fused), start, [[-0.6, 0.0, 0.1]] * 9)
+    seen.setdefault(Status(int(series["status"][-1, 0])), "panda")
     assert set(seen) == set(Status)
 
 

@@ -124,7 +124,7 @@ def test_ablation_shows_what_its_note_says():
     whole = line["as in the paper"]
     assert line["no filter of the error"][0] > 1.5 * whole[0]
     assert line["no fuzzy gain (K = 1)"][1] > 2 * whole[1]
-    assert line["K = 2.6 without filters"][2] > 100 * whole[2]
+    assert line["K = 2.6 without filters"][0] > 20 * whole[0]
     assert line["fixed gain K = 2.6"][1] < whole[1]
     assert line["no oscillation rule"] == whole
     assert hard["no oscillation rule"][0] > 10 * hard["as in the paper"][0]

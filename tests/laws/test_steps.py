@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from fikm_drake.laws.controller_status import ControllerStatus, controller_status
-from fikm_drake.laws.steps import all_finite, amplify, integrate, is_limited, length, low_pass
+from fikm_drake.laws.detour import DetourState
+from fikm_drake.laws.steps import all_finite, amplify, length, low_pass
 
 vectors = hnp.arrays(float, 4, elements=st.floats(-10, 10))
 
@@ -42,24 +43,6 @@ def test_amplify_without_a_limit_is_the_gain():
     np.testing.assert_allclose(amplify(2.6, np.array([3.0, 4.0]), 5.0, np.inf), [7.8, 10.4])
 
 
-@given(vectors, vectors, vectors, vectors)
-def test_integrate_keeps_the_limits_and_loses_nothing_inside(a, b, fraction, step):
-    lower, upper = np.minimum(a, b) - 0.1, np.maximum(a, b) + 0.1
-    position = lower + np.abs(fraction) / 10 * (upper - lower)
-    after = integrate(position, step, lower, upper)
-    assert (after >= lower).all() and (after <= upper).all()
-    inside = (position + step >= lower) & (position + step <= upper)
-    np.testing.assert_array_equal(after[inside], (position + step)[inside])
-    assert is_limited(position, step, lower, upper) == (not inside.all())
-
-
-def test_integrate_without_limits_is_addition():
-    infinite = np.full(2, np.inf)
-    np.testing.assert_array_equal(
-        integrate(np.ones(2), 1e9 * np.ones(2), -infinite, infinite), 1 + 1e9
-    )
-
-
 @given(vectors)
 def test_length_is_the_euclidean_norm(vector):
     assert length(vector) == pytest.approx(np.linalg.norm(vector), abs=1e-150, rel=1e-12)
@@ -75,15 +58,48 @@ def test_what_is_not_finite_is_seen(bad):
 
 
 def test_status_is_the_first_that_holds():
-    """Invalid before converged before limited before oscillating before tracking."""
-    everything = dict(valid=False, error=0.0, tolerance=1e-3, limited=True, oscillating=True)
+    """Invalid, converged, what the detour does, oscillating, calmed, limited, tracking."""
+    everything = dict(
+        valid=False,
+        error=0.0,
+        tolerance=1e-3,
+        limited=True,
+        oscillating=True,
+        calm=0.4,
+        detour=DetourState.UNDERWAY,
+    )
+    changes = [
+        {"valid": True},
+        {"error": 1.0},
+        {"detour": DetourState.NONE},
+        {"oscillating": False},
+        {"calm": 0.5},
+        {"limited": False},
+        {},
+    ]
     order = []
-    for change in ({"valid": True}, {"error": 1.0}, {"limited": False}, {"oscillating": False}, {}):
+    for change in changes:
         order.append(controller_status(**everything).name)
         everything |= change
-    assert order == ["INVALID_INPUT", "CONVERGED", "LIMITED", "OSCILLATING", "TRACKING"]
-    assert len({int(status) for status in ControllerStatus}) == 5
-    assert (
-        controller_status(valid=True, error=1e-3, tolerance=1e-3, limited=False, oscillating=False)
-        == ControllerStatus.CONVERGED
-    )
+    expected = "INVALID_INPUT CONVERGED DETOUR OSCILLATING CALMED LIMITED TRACKING"
+    assert order == expected.split()
+    assert len({int(status) for status in ControllerStatus}) == 8
+    everything |= {"error": 1e-3}
+    assert controller_status(**everything) == ControllerStatus.CONVERGED
+
+
+@pytest.mark.parametrize(
+    ("state", "status"),
+    [
+        (DetourState.NONE, ControllerStatus.TRACKING),
+        (DetourState.SEARCHING, ControllerStatus.DETOUR),
+        (DetourState.UNDERWAY, ControllerStatus.DETOUR),
+        (DetourState.STUCK, ControllerStatus.STUCK),
+    ],
+)
+def test_status_of_each_state_of_a_detour(state, status):
+    quiet = dict(valid=True, error=1.0, tolerance=1e-3, limited=False, oscillating=False)
+    assert controller_status(**quiet, detour=state) == status
+    assert controller_status(**quiet) == ControllerStatus.TRACKING
+    lost = quiet | {"valid": False}
+    assert controller_status(**lost, detour=state) == ControllerStatus.INVALID_INPUT

@@ -21,13 +21,18 @@ MAKERS = {
     "GainSupervisor": lambda plant: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=0.2),
     "VariableGain": lambda plant: fd.VariableGain(3, limit=0.2),
     "LowPassFilter": lambda plant: fd.LowPassFilter(3, period=PERIOD),
-    "FuzzyIk": lambda plant: fd.FuzzyIk(plant, guarded=True),
+    "FuzzyIk": lambda plant: fd.FuzzyIk(
+        plant, law=FuzzyMapping(iterations=3), guarded=True, damped=True, posture_gain=0.02
+    ),
+    "DetourPlanner": lambda plant: fd.DetourPlanner(plant, period=PERIOD),
     "JointIntegrator": lambda plant: fd.JointIntegrator(
         -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
     ),
-    "StatusMonitor": lambda plant: fd.StatusMonitor(3),
+    "StatusMonitor": lambda plant: fd.StatusMonitor(3, detour=True),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
-        plant, law=FuzzyMapping(), config=fd.FuzzyIkConfig(fused=True, measured_position=True)
+        plant,
+        law=FuzzyMapping(iterations=3),
+        config=fd.FuzzyIkConfig(fused=True, measured_position=True, detour=True, posture_gain=1.0),
     ),
 }
 
@@ -35,17 +40,24 @@ PORTS = {
     "TaskError": ({"desired_position": 3, "position": 7}, {"task_error": 3, "valid": 1}),
     "GainSupervisor": (
         {"task_error": 3, "joint_step": 7},
-        {"gain": 1, "oscillating": 1, "valid": 1},
+        {"gain": 1, "oscillating": 1, "calm": 1, "damping": 1, "valid": 1},
     ),
     "VariableGain": ({"gain": 1, "task_error": 3}, {"amplified_error": 3, "valid": 1}),
     "LowPassFilter": ({"u0": 3}, {"y0": 3}),
-    "FuzzyIk": ({"task_error": 3, "position": 7, "guard": 3}, {"joint_step": 7, "valid": 1}),
+    "FuzzyIk": (
+        {"task_error": 3, "position": 7, "guard": 3, "damping": 1},
+        {"joint_step": 7, "valid": 1},
+    ),
+    "DetourPlanner": (
+        {"desired_position": 3, "position": 7, "law_step": 7},
+        {"joint_step": 7, "detour": 1, "valid": 1},
+    ),
     "JointIntegrator": (
         {"joint_step": 7},
         {"position": 7, "velocity": 7, "valid": 1, "limited": 1},
     ),
     "StatusMonitor": (
-        {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1},
+        {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1, "calm": 1, "detour": 1},
         {"status": 1},
     ),
     "FusedFuzzyIk": (
@@ -64,8 +76,9 @@ PORTS = {
 
 # Outputs that do not feed through from an input; all others do.
 STATE_ONLY = {
-    "GainSupervisor": {("joint_step", "gain"), ("joint_step", "oscillating")}
-    | {("task_error", "oscillating")},
+    "GainSupervisor": {("joint_step", "gain")}
+    | {(i, o) for i in ("task_error", "joint_step") for o in ("oscillating", "calm", "damping")},
+    "DetourPlanner": {(i, "detour") for i in ("desired_position", "position", "law_step")},
     "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
     "FusedFuzzyIk": {
         (i, o)
@@ -73,6 +86,9 @@ STATE_ONLY = {
         for o in ("commanded_position", "commanded_velocity", "oscillating")
     },
 }
+
+FLAGS = ("limited", "oscillating", "calm", "detour", "valid")
+"""Inputs of which only a threshold counts, or a few numbers."""
 
 # The filter is Drake's; it keeps what is fed to it, as its docstring says.
 PYTHON_BLOCKS = [name for name in MAKERS if name != "LowPassFilter"]
@@ -83,7 +99,11 @@ GOOD = {
     "estimated_position": 0.3 * np.ones(7),
     "task_error": np.array([0.03, -0.02, 0.01]),
     "joint_step": 0.01 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
+    "law_step": 0.01 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
     "gain": np.ones(1),
+    "calm": np.ones(1),
+    "damping": 0.1 * np.ones(1),
+    "detour": np.zeros(1),
     "guard": np.zeros(3),
     "valid": np.ones(1),
     "limited": np.zeros(1),
@@ -172,7 +192,7 @@ def test_what_is_not_finite_reaches_no_output_and_no_state(name, block, bad, dri
                 for output, result in outputs.items():
                     assert np.isfinite(result).all(), (port, output)
                 # A huge gain is a number still, and so is a flag: they have no length.
-                if not (bad == 1e200 and port in ("limited", "oscillating", "valid")):
+                if not (bad == 1e200 and port in FLAGS):
                     if "valid" in outputs:
                         assert outputs["valid"] == 0, port
                     if "status" in outputs:
@@ -264,14 +284,15 @@ def test_threads_give_the_serial_results(name, block, drive, equal):
 @pytest.mark.parametrize(
     "make",
     [
-        lambda period: fd.GainSupervisor(3, 7, period=period),
-        lambda period: fd.LowPassFilter(3, period=period),
-        lambda period: fd.JointIntegrator([-1], [1], period=period, initial_position=[0]),
+        lambda plant, period: fd.GainSupervisor(3, 7, period=period),
+        lambda plant, period: fd.LowPassFilter(3, period=period),
+        lambda plant, period: fd.JointIntegrator([-1], [1], period=period, initial_position=[0]),
+        lambda plant, period: fd.DetourPlanner(plant, period=period),
     ],
 )
-def test_a_period_must_be_positive_and_finite(make, period):
+def test_a_period_must_be_positive_and_finite(make, period, plant):
     with pytest.raises(ValueError, match="period") as error:
-        make(period)
+        make(plant, period)
     assert repr(period) in str(error.value)
 
 
@@ -318,6 +339,25 @@ def test_sizes_may_be_of_numpy(ports):
             lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan),
             ["initial_value", "nan"],
         ),
+        (lambda p: fd.FuzzyIk(p, damped=True), ["damped", "law", "FuzzyMapping"]),
+        (lambda p: fd.FuzzyIk(p, longest_step=0.0), ["longest_step", "0.0", "positive"]),
+        (lambda p: fd.FuzzyIk(p, side_step=-0.1), ["side_step", "-0.1", "negative"]),
+        (lambda p: fd.FuzzyIk(p, side_step=np.inf), ["side_step", "inf", "finite"]),
+        (lambda p: fd.FuzzyIk(p, limit_zone=-0.1), ["limit_zone", "-0.1", "negative"]),
+        (lambda p: fd.FuzzyIk(p, limit_zone=np.nan), ["limit_zone", "nan"]),
+        (lambda p: fd.FuzzyIk(p, posture_gain=1.1), ["posture_gain", "1.1", "[0, 1]"]),
+        (lambda p: fd.FuzzyIk(p, posture_gain=-0.1), ["posture_gain", "-0.1", "[0, 1]"]),
+        (lambda p: fd.FuzzyIk(p, posture_gain=np.nan), ["posture_gain", "nan"]),
+        (
+            lambda p: fd.FuzzyIk(p, posture_gain=0.1, nominal_position=[0.0, 1.0]),
+            ["nominal_position", "7", "[0.0, 1.0]"],
+        ),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, tolerance=0.0), ["tolerance", "0.0"]),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, tolerance=np.nan), ["tolerance", "nan"]),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, speed=-1.0), ["speed", "-1.0", "positive"]),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, speed=np.nan), ["speed", "nan"]),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, task="yx"), ["task", "yx", "position"]),
+        (lambda p: fd.DetourPlanner(p, period=PERIOD, frame="hand"), ["frame", "hand", "tool"]),
         (lambda p: fd.FuzzyIk(p, task="posture"), ["task", "posture", "position", "xy", "pose"]),
         (lambda p: fd.TaskError(p, task="yx"), ["task", "yx", "position", "xy"]),
         (lambda p: fd.TaskError(p, frame="hand"), ["frame", "hand", "link1", "link7", "tool"]),
@@ -335,6 +375,7 @@ def test_errors_name_the_bad_value_and_the_valid_ones(make, words, plant):
 BLOCKS_WITH_A_PLANT = [
     lambda plant: fd.TaskError(plant),
     lambda plant: fd.FuzzyIk(plant),
+    lambda plant: fd.DetourPlanner(plant, period=PERIOD),
     lambda plant: fd.MakeFuzzyIkController(plant),
     lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=True)),
     lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(method="direct")),

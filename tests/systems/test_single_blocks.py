@@ -13,6 +13,8 @@ from pydrake.systems.primitives import ConstantVectorSource, LinearSystem, LogVe
 
 import fikm_drake as fd
 from fikm_drake.laws.controller_status import ControllerStatus, controller_status
+from fikm_drake.laws.gain_supervision import HEAD
+from fikm_drake.laws.joint_limits import JointLimits
 from fikm_drake.laws.steps import amplify
 
 AXES = {
@@ -114,34 +116,83 @@ def test_variable_gain(drive, error, gain, limit):
     np.testing.assert_allclose(outputs["amplified_error"], expected, rtol=1e-12, atol=1e-15)
 
 
+def test_fuzzy_ik_hands_the_damping_to_the_law(plant, arm7, drive):
+    law = fd.FuzzyMapping(iterations=3, damping=0.1)
+    driver = drive(fd.FuzzyIk(plant, law=law, damped=True))
+    q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
+    J = arm7.jacobian(q)[3:]
+    for damping in (0.0, 0.3):
+        outputs = driver.cycle(task_error=error, position=q, damping=[damping])
+        np.testing.assert_allclose(outputs["joint_step"], law(J, error, damping), atol=1e-12)
+    assert fd.FuzzyIk(plant, law=law).num_input_ports() == 2
+
+
+def test_fuzzy_ik_bounds_its_step_and_keeps_off_the_limits(plant_with, drive):
+    """See tests/laws for how; here it is the plant's limits and the given length that count."""
+    panda = fd.load_arm("panda")
+    driver = drive(fd.FuzzyIk(plant_with("panda"), longest_step=0.05, limit_zone=0.1))
+    free = drive(fd.FuzzyIk(plant_with("panda")))
+    rng = np.random.default_rng(4)
+    weaker = 0
+    for _ in range(50):
+        q = np.clip(rng.uniform(-3, 3, 7), panda.lower, panda.upper)  # some at their limits
+        error = 0.1 * rng.normal(size=3)
+        step = driver.cycle(task_error=error, position=q)["joint_step"]
+        assert np.linalg.norm(step) <= 0.05 * (1 + 1e-12)
+        asked = free.cycle(task_error=error, position=q)["joint_step"]
+        outward = ((q == panda.upper) & (asked > 0)) | ((q == panda.lower) & (asked < 0))
+        weaker += outward.sum()
+        assert not step[outward].any()
+    assert weaker > 30
+
+
+def test_fuzzy_ik_pulls_to_the_nominal_posture(plant, arm7, drive):
+    nominal = np.linspace(0.3, -0.4, 7)
+    driver = drive(fd.FuzzyIk(plant, posture_gain=0.1, nominal_position=nominal.tolist()))
+    q = np.linspace(-1, 1, 7)
+    step = driver.cycle(task_error=np.zeros(3), position=q)["joint_step"]
+    J = arm7.jacobian(q)[3:]
+    expected = 0.1 * (nominal - q - np.linalg.pinv(J) @ J @ (nominal - q))
+    np.testing.assert_allclose(step, expected, atol=5e-5)
+
+
 @pytest.mark.parametrize("flags", list(itertools.product([0.0, 1.0], repeat=3)))
-@pytest.mark.parametrize("error", [0.0, 1e-3, 1.1e-3, 2.0])
-def test_status_monitor(drive, flags, error):
-    driver = drive(fd.StatusMonitor(2))
+@pytest.mark.parametrize("detour", [None, *fd.DetourState])
+def test_status_monitor(drive, flags, detour):
+    driver = drive(fd.StatusMonitor(2, detour=detour is not None))
     names = dict(zip(("valid", "limited", "oscillating"), flags))
-    status = driver.cycle(task_error=[0.0, -error], **{k: [v] for k, v in names.items()})["status"]
-    flags = {name: bool(flag) for name, flag in names.items()}
-    assert status == controller_status(error=error, tolerance=1e-3, **flags)
-    assert ControllerStatus(int(status[0])) in ControllerStatus
+    state = {} if detour is None else {"detour": detour}
+    inputs = {name: [float(value)] for name, value in (names | state).items()}
+    flags = {name: bool(flag) for name, flag in names.items()} | state
+    for calm, error in itertools.product([1.0, 0.1], [0.0, 1e-3, 1.1e-3, 2.0]):
+        status = driver.cycle(task_error=[0.0, -error], calm=[calm], **inputs)["status"]
+        assert status == controller_status(error=error, tolerance=1e-3, calm=calm, **flags)
+        assert ControllerStatus(int(status[0])) in ControllerStatus
 
 
 def test_gain_supervisor_is_the_law(drive):
     rng = np.random.default_rng(3)
-    law = fd.GainSupervision()
+    law = fd.GainSupervision(error_limit=0.2)
     memory = law.initial_memory()
     driver = drive(fd.GainSupervisor(3, 7, period=0.02, error_limit=0.2))
+    calms = set()
     for _ in range(300):
         error = 10.0 ** rng.uniform(-4, 0) * rng.normal(size=3)
         step = rng.normal(size=7) * (rng.random(7) < 0.9)
         outputs = driver.cycle(task_error=error, joint_step=step)
-        size = min(np.linalg.norm(error), 0.2)
+        size = np.linalg.norm(error)
         assert outputs["gain"] == pytest.approx(law.gain(memory, size), rel=1e-12)
         assert outputs["oscillating"] == law.oscillating(memory)
+        assert outputs["calm"] == law.calm(memory)
+        assert outputs["damping"] == law.damping(memory)
+        calms.add(law.calm(memory))
         law.remember(memory, size, step)
+    assert len(calms) > 10
 
 
 def test_gain_supervisor_forgets_what_is_not_finite(drive):
-    block = fd.GainSupervisor(3, 2, period=0.02, error_limit=0.2)
+    paper = fd.GainSupervisorConfig(calming=1.0)
+    block = fd.GainSupervisor(3, 2, period=0.02, config=paper, error_limit=0.2)
     disturbed, expected = drive(block), drive(block)
     rng = np.random.default_rng(4)
     for k in range(60):
@@ -152,7 +203,7 @@ def test_gain_supervisor_forgets_what_is_not_finite(drive):
             assert outputs["gain"] in (0.8, 0.03)  # that of a big error
         # Cycles without a motion age the sign changes: only the errors are compared.
         known = disturbed.cycle(**good)["gain"], expected.cycle(**good)["gain"]
-        errors = [driver.state()[0][5:15] for driver in (disturbed, expected)]
+        errors = [driver.state()[0][HEAD : HEAD + 10] for driver in (disturbed, expected)]
         np.testing.assert_array_equal(errors[0], errors[1])
         assert all(np.isfinite(known))
 
@@ -182,6 +233,64 @@ def test_joint_integrator_velocity_is_the_derivative_of_the_position(drive):
     q, v = (np.array([o[name] for o in outputs]) for name in ("position", "velocity"))
     np.testing.assert_allclose(v[1:], np.diff(q, axis=0) / 0.01, rtol=1e-9)
     assert not v[0].any()
+
+
+def test_joint_integrator_keeps_the_rates(drive):
+    """What `JointLimits` does, on the block's own state; the velocity is that of the command."""
+    limits = {"velocity_limit": [1.0, np.inf], "acceleration_limit": 20.0}
+    block = fd.JointIntegrator(
+        [-1.0, -np.inf], [0.5, np.inf], period=0.02, initial_position=[0.4, 0.0], **limits
+    )
+    law = JointLimits(np.array([-1.0, -np.inf]), np.array([0.5, np.inf]), period=0.02, **limits)
+    rng = np.random.default_rng(7)
+    driver, q, v = drive(block), np.array([0.4, 0.0]), np.zeros(2)
+    limited = set()
+    for step in rng.normal(0.01, 0.02, (200, 2)):
+        outputs = driver.cycle(joint_step=step)
+        np.testing.assert_allclose(outputs["position"], q, atol=1e-12)
+        np.testing.assert_allclose(outputs["velocity"], v, atol=1e-10)
+        assert outputs["limited"] == law.limits(q, step, v)
+        limited.add(bool(outputs["limited"]))
+        after = law.integrate(q, step, v)
+        assert (np.abs((after - q) / 0.02 - v) <= 20.0 * 0.02 + 1e-9).all()
+        q, v = after, (after - q) / 0.02
+    assert limited == {False, True}
+
+
+def test_joint_integrator_brakes_when_its_input_is_lost(drive):
+    """No jump of the speed, and it stands after the time that the acceleration takes."""
+    block = fd.JointIntegrator(
+        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limit=5.0
+    )
+    driver = drive(block)
+    for _ in range(10):
+        driver.cycle(joint_step=[1.0])
+    assert driver["velocity"] == pytest.approx(1.0)
+    speeds = []
+    for _ in range(12):
+        assert driver.cycle(joint_step=[np.nan])["limited"] == 0
+        speeds.append(float(driver["velocity"][0]))
+    np.testing.assert_allclose(speeds, np.maximum(0.9 - 0.1 * np.arange(12), 0.0), atol=1e-9)
+
+
+def test_set_positions_is_a_start_from_rest(drive):
+    block = fd.JointIntegrator(
+        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limit=5.0
+    )
+    driver = drive(block)
+    for _ in range(10):
+        driver.cycle(joint_step=[1.0])
+    block.SetPositions(driver.context, [1.0])
+    driver.cycle(joint_step=[1.0])
+    assert driver["position"] == pytest.approx(1.0 + 5.0 * 0.02**2)
+
+
+@pytest.mark.parametrize("name", ["velocity_limit", "acceleration_limit"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, [1.0, 2.0, 3.0], [1.0, -2.0]])
+def test_joint_integrator_errors_of_rates(name, value):
+    with pytest.raises(ValueError, match=name) as error:
+        fd.JointIntegrator([-1] * 2, [1] * 2, period=0.02, initial_position=[0, 0], **{name: value})
+    assert str(value) in str(error.value)
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,11 @@
 """Paper 1, section 5.2: what a law costs in numpy today."""
 
-import time
 from collections.abc import Callable
 from statistics import median
 
 import numpy as np
 
+from fikm_drake.experiments.interleaved import interleaved
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
@@ -20,7 +20,7 @@ def times() -> Section:
     J6 = arm.jacobian(np.linspace(0.1, 0.7, 7))
     cells = []
     for rows, J in (("3 rows", np.ascontiguousarray(J6[3:])), ("6 rows", J6)):
-        costs = _interleaved(_laws(J, np.full(len(J), 0.01)))
+        costs = interleaved(_laws(J, np.full(len(J), 0.01)), rounds=ROUNDS, repeats=CALLS)
         fuzzy = costs["fuzzy mapping"]
         for name, cost in costs.items():
             ratio = median(c / f for c, f in zip(cost, fuzzy))
@@ -38,15 +38,3 @@ def _laws(J: np.ndarray, dr: np.ndarray) -> dict[str, Callable[[], np.ndarray]]:
         "damped least squares": lambda: J.T @ np.linalg.solve(J @ J.T + damping, dr),
         "pseudo-inverse": lambda: np.linalg.pinv(J) @ dr,
     }
-
-
-def _interleaved(laws: dict[str, Callable[[], np.ndarray]]) -> dict[str, list[float]]:
-    """CPU time of a call of each law [s], a number a round."""
-    costs: dict[str, list[float]] = {name: [] for name in laws}
-    for _ in range(ROUNDS):
-        for name, law in laws.items():
-            start = time.process_time()
-            for _ in range(CALLS):
-                law()
-            costs[name].append((time.process_time() - start) / CALLS)
-    return costs

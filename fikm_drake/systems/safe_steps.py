@@ -1,0 +1,50 @@
+"""The safe step and the rate limits of a plant's arm, for the blocks."""
+
+from collections.abc import Sequence
+from math import inf
+
+import numpy as np
+
+from fikm_drake.laws.law import Law
+from fikm_drake.laws.limit_weights import LimitWeights
+from fikm_drake.laws.safe_step import SafeStep
+from fikm_drake.systems.checks import check_not_negative, check_positive
+from fikm_drake.systems.joint_integrator import check_position
+from fikm_drake.systems.tool_kinematics import ToolKinematics
+
+
+def make_safe_step(
+    kinematics: ToolKinematics,
+    law: Law,
+    *,
+    longest_step: float = inf,
+    limit_zone: float = 0.0,
+    posture_gain: float = 0.0,
+    nominal_position: Sequence[float] = (),
+    side_step: float = 0.0,
+) -> SafeStep:
+    """The law's step with the plant's joint limits; the arguments are those of `FuzzyIk`.
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+    lower, upper = kinematics.lower, kinematics.upper
+    check_not_negative("limit_zone", limit_zone)
+    if not 0.0 <= posture_gain <= 1.0:
+        raise ValueError(f"posture_gain must be in [0, 1] a cycle, got {posture_gain!r}")
+    posture = None
+    if posture_gain:
+        posture = kinematics.default_position
+        both = np.isfinite(lower) & np.isfinite(upper)
+        posture[both] = 0.5 * (lower[both] + upper[both])
+        if len(nominal_position):
+            posture = check_position(nominal_position, lower, upper, name="nominal_position")
+    bounded = np.isfinite(lower).any() or np.isfinite(upper).any()
+    return SafeStep(
+        law,
+        longest=check_positive("longest_step", longest_step),
+        limits=LimitWeights(lower, upper, limit_zone) if limit_zone and bounded else None,
+        posture=posture,
+        posture_gain=posture_gain,
+        side_step=check_not_negative("side_step", side_step),
+    )
