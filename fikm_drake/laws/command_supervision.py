@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from fikm_drake.laws.sign_changes import SignChanges
 
-REGROWTH = 1.01
-"""The fraction of recovery grows by this a cycle of calm at a gain of 1: 70 make up for a halving."""
+REGROWTH = 1.02
+"""The fraction of recovery grows by this a cycle of calm at a gain of 1: 35 make up for a halving."""
 
 Array = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ class CommandSupervisorConfig:
 
     window: int = 10
     """How many cycles are remembered (-)."""
-    sign_changes: int = 3
+    sign_changes: int = 4
     """A joint oscillates from this number of changes of sign of its command in the window [-]."""
     dead_band: float = 1e-3
     """Commands within ± this have no sign [rad/s or m/s]; above the noise of the controller."""
