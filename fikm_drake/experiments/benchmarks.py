@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments import (
+    batch_benchmark,
+    pose_benchmark,
+    step_benchmark,
+    supervise_benchmark,
+)
 
 Progress = Callable[[float], None]
 
@@ -31,6 +36,9 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "supervise": Benchmark(
+        "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
     ),
 }
 """Benchmarks by name."""

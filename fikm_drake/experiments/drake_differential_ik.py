@@ -54,9 +54,7 @@ def drake_differential_ik(arm: DhArm, *, period: float) -> DifferentialInverseKi
     limits = JointLimits(
         arm.lower, arm.upper, -arm.velocity, arm.velocity, -acceleration, acceleration
     )
-    margins = System.JointVelocityLimitConstraint.Config(
-        min_margin=0.0, influence_margin=INFLUENCE
-    )
+    margins = System.JointVelocityLimitConstraint.Config(min_margin=0.0, influence_margin=INFLUENCE)
     recipe.AddIngredient(System.JointVelocityLimitConstraint(margins, limits))
     return System(
         recipe=recipe,

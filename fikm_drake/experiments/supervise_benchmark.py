@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +34,6 @@ BEFORE, AFTER = "Drake's controller", "supervised"
 Array = NDArray[np.float64]
 Poses = list[RigidTransform]
 Run = Callable[[Poses], Array]
-Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
@@ -86,9 +84,9 @@ def supervise_benchmark(
     """
     if poses < 1:
         raise ValueError(f"poses must be positive, got {poses}")
-    for arm in arms:
-        if arm not in HOME:
-            raise ValueError(f"arms must be of {tuple(HOME)}, got {arm!r}")
+    for name in arms:
+        if name not in HOME:
+            raise ValueError(f"arms must be of {tuple(HOME)}, got {name!r}")
     results: list[SupervisionResult] = []
     with quiet_drake():
         for name in arms:
@@ -104,7 +102,7 @@ def table(poses: int, progress: Callable[[float], None]) -> str:
     """The benchmark's text."""
     lines = [
         "100 Hz, a pose 0.4 m out of reach: joint speed (rms) and reversals a second after 10 s;",
-        f"the same for {poses} random poses as far out (median); a path; {poses} reachable poses in 7 s"
+        f"the same for {poses} random poses as far out (median); a path; {poses} reachable poses in 7 s",
     ]
     lines += [
         f"  {r.arm:7s} {r.name:19s} {r.unrest:8.2g} rad/s {r.reversals:3d}/s | {r.far_unrest:8.2g} rad/s"
@@ -140,9 +138,7 @@ def _measure(arm: DhArm, run: tuple[str, Run], poses: int, seed: int) -> Supervi
     v = last_second(home)
     path = _path(home)
     goal = np.array([X.translation() for X in path])
-    error = np.linalg.norm(
-        arm.forward_kinematics(positions(path))[:, :3, 3] - goal, axis=1
-    )
+    error = np.linalg.norm(arm.forward_kinematics(positions(path))[:, :3, 3] - goal, axis=1)
     ends = (arm.forward_kinematics(positions(_stay(_pose(T), POSE_SECONDS))[-1]) for T in targets)
     return SupervisionResult(
         arm=arm.name,

@@ -1,12 +1,17 @@
 """The block that calms the velocity command of any controller."""
 
+from collections.abc import Callable
+
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.checks import check_period, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
+
+Array = NDArray[np.float64]
 
 
 class CommandSupervisor(LeafSystem):
@@ -58,19 +63,16 @@ class CommandSupervisor(LeafSystem):
             self._calc_velocity,
             prerequisites_of_calc={command.ticket(), self.xd_ticket()},
         )
-        for name, read in (
-            ("gain", self._supervision.gain),
-            ("oscillating", self._supervision.oscillating),
-        ):
-
-            def calc(context: Context, output: BasicVector, read=read) -> None:
-                output.set_value(read(context.get_discrete_state_vector().value()))
-
-            self.DeclareVectorOutputPort(
-                name, num_joints, calc, prerequisites_of_calc={self.xd_ticket()}
-            )
+        self._declare_state_output("gain", num_joints, self._supervision.gain)
+        self._declare_state_output("oscillating", num_joints, self._supervision.oscillating)
         declare_valid_port(self)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
+
+    def _declare_state_output(self, name: str, size: int, read: Callable[[Array], Array]) -> None:
+        def calc(context: Context, output: BasicVector) -> None:
+            output.set_value(read(context.get_discrete_state_vector().value()))
+
+        self.DeclareVectorOutputPort(name, size, calc, prerequisites_of_calc={self.xd_ticket()})
 
     def _calc_velocity(self, context: Context, output: BasicVector) -> None:
         command = self._command(context)

@@ -26,6 +26,8 @@ MAKERS = {
         -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
     ),
     "StatusMonitor": lambda plant: fd.StatusMonitor(3),
+    "CommandSupervisor": lambda plant: fd.CommandSupervisor(7, period=PERIOD),
+    "JointReference": lambda plant: fd.JointReference(7, period=PERIOD, time_step=PERIOD / 20),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
         plant, law=FuzzyMapping(), config=fd.FuzzyIkConfig(fused=True, measured_position=True)
     ),
@@ -48,6 +50,14 @@ PORTS = {
         {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1},
         {"status": 1},
     ),
+    "CommandSupervisor": (
+        {"commanded_velocity": 7},
+        {"calmed_velocity": 7, "gain": 7, "oscillating": 7, "valid": 1},
+    ),
+    "JointReference": (
+        {"commanded_position": 7, "commanded_velocity": 7},
+        {"desired_state": 14},
+    ),
     "FusedFuzzyIk": (
         {"desired_position": 3, "estimated_position": 7},
         {
@@ -67,6 +77,14 @@ STATE_ONLY = {
     "GainSupervisor": {("joint_step", "gain"), ("joint_step", "oscillating")}
     | {("task_error", "oscillating")},
     "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
+    "CommandSupervisor": {
+        ("commanded_velocity", "gain"),
+        ("commanded_velocity", "oscillating"),
+    },
+    "JointReference": {
+        ("commanded_position", "desired_state"),
+        ("commanded_velocity", "desired_state"),
+    },
     "FusedFuzzyIk": {
         (i, o)
         for i in ("desired_position", "estimated_position")
@@ -89,6 +107,8 @@ GOOD = {
     "limited": np.zeros(1),
     "oscillating": np.zeros(1),
     "u0": np.ones(3),
+    "commanded_position": 0.3 * np.ones(7),
+    "commanded_velocity": 0.5 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
 }
 
 
