@@ -9,12 +9,14 @@ from pydrake.systems.primitives import Demultiplexer
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.laws.law import Law
-from fikm_drake.systems.checks import check_positive
+from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_reference import JointReference
 
 BANDWIDTH = 100.0
 """Of the inner loop by default [rad/s]."""
+ERROR_LIMIT = 0.05
+"""Of the controller by default [m]."""
 
 
 class FuzzyIkTorqueController(Diagram):
@@ -46,6 +48,10 @@ class FuzzyIkTorqueController(Diagram):
     cancels the arm's own dynamics and gravity and leaves each joint a critically damped second-order
     error of `bandwidth`.
 
+    The command must be one that the arm can follow. A target that steps asks for speed at once, and
+    an inner loop at its effort limits is not stable: keep `config.error_limit` small, as the default
+    does, or let the target move.
+
     With `config.measured_position` the IK starts from the plant's joints, and the inner loop's lag
     is in its loop: Table I's gains need a bandwidth of at least 1 / period, better twice that; lower
     the gains of `config.supervisor` for a slower one. Too high gains make the arm swing ever more.
@@ -53,7 +59,7 @@ class FuzzyIkTorqueController(Diagram):
     Args:
         plant: a finalized, discrete plant, fully actuated, with nothing but the arm; it is not
             copied and must live as long.
-        config: by default `FuzzyIkConfig()`.
+        config: by default `FuzzyIkConfig` with an `error_limit` of `ERROR_LIMIT`.
         law: another law in place of the fuzzy mapping that the config describes.
         bandwidth: of the inner loop [rad/s].
 
@@ -70,8 +76,8 @@ class FuzzyIkTorqueController(Diagram):
         bandwidth: float = BANDWIDTH,
     ) -> None:
         super().__init__()
-        config = config or FuzzyIkConfig()
-        check_positive("bandwidth", bandwidth)
+        config = config or FuzzyIkConfig(error_limit=ERROR_LIMIT)
+        check_bandwidth(bandwidth)
         builder = DiagramBuilder()
         ik = AddFuzzyIkController(builder, plant, config=config, law=law)
         n = plant.num_positions()

@@ -14,7 +14,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import find_model, load_yaml
-from fikm_drake.systems.checks import check_positive
+from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 
@@ -51,7 +51,8 @@ class TrackingScenario:
     """The controller; its `task` and `control_rate` follow the scenario."""
     servo_bandwidth: float | None = None
     """Of the inner loop of a torque-driven arm with mass and gravity, a MultibodyPlant at 1 kHz
-    [rad/s], see `FuzzyIkTorqueController`; None: the arm is where the command is."""
+    [rad/s], see `FuzzyIkTorqueController`; None: the arm is where the command is. For a target that
+    steps, `config.error_limit` of 0.05 m, so that the command is one the arm can follow."""
 
     def __post_init__(self) -> None:
         if isinstance(self.arm, DhArm):
@@ -76,7 +77,7 @@ class TrackingScenario:
             raise ValueError(f"profile must be one of {PROFILES}, got {self.profile!r}")
         self.controller_config().validate()
         if self.servo_bandwidth is not None:
-            check_positive("servo_bandwidth", self.servo_bandwidth)
+            check_bandwidth(self.servo_bandwidth)
         if self.num_cycles < 1:
             raise ValueError(
                 f"duration + hold must be at least one cycle of {1 / self.control_rate} s, "

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_period, check_sizes
+from fikm_drake.systems.checks import check_period, check_positive, check_sizes
 
 
 class JointReference(LeafSystem):
@@ -44,7 +44,8 @@ class JointReference(LeafSystem):
     def __init__(self, num_joints: int, *, period: float, time_step: float) -> None:
         super().__init__()
         check_sizes(num_joints=num_joints)
-        self._period, self._time_step = check_period(period), check_period(time_step)
+        self._period = check_period(period)
+        self._time_step = check_positive("time_step", time_step)
         if self._time_step > self._period:
             raise ValueError(f"time_step must be at most the period {period} s, got {time_step!r}")
         self._n = num_joints
