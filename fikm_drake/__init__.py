@@ -49,6 +49,7 @@ from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.joint_reference import JointReference
+from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
@@ -85,6 +86,7 @@ __all__ = [
     "JacobianTranspose",
     "JointIntegrator",
     "JointReference",
+    "LastFinite",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",

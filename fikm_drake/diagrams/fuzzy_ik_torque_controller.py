@@ -12,6 +12,7 @@ from fikm_drake.laws.law import Law
 from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_reference import JointReference
+from fikm_drake.systems.last_finite import LastFinite
 
 BANDWIDTH = 100.0
 """Of the inner loop by default [rad/s]."""
@@ -37,10 +38,13 @@ class FuzzyIkTorqueController(Diagram):
         - gain
         - oscillating
         - status
+        - valid
 
     - **desired_position** (m) [m], or **desired_pose**: as of `FuzzyIkController`.
     - **estimated_state** (2n) [q; v]: the plant's.
     - **actuation** (n) [N m or N]: for the plant, of Drake's `InverseDynamicsController`.
+    - **valid** (1): 1 while the estimated state is finite, else 0; the inner loop then goes on from
+      the last one that was.
     - all other outputs: as of `FuzzyIkController`, described there.
 
     The controller's position command, a new one each period, becomes a reference at the plant's rate
@@ -100,14 +104,18 @@ class FuzzyIkTorqueController(Diagram):
                 has_reference_acceleration=False,
             ),
         )
-        self._ik, self._reference = ik, reference
+        guard = builder.AddNamedSystem("state_guard", LastFinite(2 * n, period=plant.time_step()))
+        self._ik, self._reference, self._guard = ik, reference, guard
 
         for name in ("commanded_position", "commanded_velocity"):
             builder.Connect(ik.GetOutputPort(name), reference.GetInputPort(name))
         builder.Connect(reference.get_output_port(), servo.get_input_port_desired_state())
+        builder.Connect(
+            guard.GetOutputPort("finite_signal"), servo.get_input_port_estimated_state()
+        )
         desired = ik.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
-        builder.ExportInput(servo.get_input_port_estimated_state(), "estimated_state")
+        builder.ExportInput(guard.get_input_port(), "estimated_state")
         if config.measured_position:
             split = builder.AddNamedSystem("positions", Demultiplexer(np.array([n, n])))
             builder.ConnectInput("estimated_state", split.get_input_port())
@@ -116,6 +124,7 @@ class FuzzyIkTorqueController(Diagram):
         for i in range(ik.num_output_ports()):
             port = ik.get_output_port(i)
             builder.ExportOutput(port, port.get_name())
+        builder.ExportOutput(guard.GetOutputPort("valid"), "valid")
         builder.BuildInto(self)
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
@@ -127,8 +136,11 @@ class FuzzyIkTorqueController(Diagram):
             ValueError: naming the bad value.
             RuntimeError: the context is another system's.
         """
+        position = np.array(position, dtype=float)
         for system in (self._ik, self._reference):
             system.SetPositions(self.GetMutableSubsystemContext(system, context), position)
+        state = np.concatenate([position, np.zeros(len(position))])
+        self._guard.SetLast(self.GetMutableSubsystemContext(self._guard, context), state)
 
 
 def AddFuzzyIkTorqueController(

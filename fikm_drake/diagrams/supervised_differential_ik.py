@@ -27,7 +27,8 @@ class SupervisedDifferentialIk(Diagram):
         - valid
 
     - inputs: those of the differential IK under their own names, such as **nominal_posture** and
-      **desired_cartesian_poses** of Drake's `DifferentialInverseKinematicsSystem`.
+      **desired_cartesian_poses** of Drake's `DifferentialInverseKinematicsSystem`. (Connect one of
+      its two kinds of target, and not both: else Drake ends the process.)
     - **commanded_position** (n) [rad or m]: from the state; set its start by `SetPositions`.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
     - **gain** (n) [-], **oscillating** (n), **valid** (1): of the `CommandSupervisor`.

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.experiments.pose_checks import as_pose, is_near
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -20,8 +21,6 @@ from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 ARM, HOME = "iiwa14", (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
-TOLERANCE = (1e-3, 0.01)
-"""Of position [m] and rotation [rad]."""
 SECONDS, RATE = 6.0, 100.0
 BEYOND = 0.4
 """How far outside its reach the arm is asked to go, straight on from its home posture [m]."""
@@ -77,8 +76,8 @@ def pose_benchmark(
         raise ValueError(f"poses must be positive, got {poses}")
     arm = load_arm(ARM)
     postures = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (poses, arm.num_joints))
-    targets = [_pose(T) for T in arm.forward_kinematics(postures)]
-    home = _pose(arm.forward_kinematics(HOME))
+    targets = [as_pose(T) for T in arm.forward_kinematics(postures)]
+    home = as_pose(arm.forward_kinematics(HOME))
     ray = home.translation() - SHOULDER
     far = SHOULDER + (REACH + BEYOND) * ray / np.linalg.norm(ray)
     plant = MakeDhArmPlant(arm)
@@ -86,7 +85,7 @@ def pose_benchmark(
     for name, (config, law) in variants().items():
         controller = MakeFuzzyIkController(plant, config=config, law=law)
         ends = [_run(controller, target, SECONDS)[-1] for target in targets]
-        reached = sum(_near(_pose(arm.forward_kinematics(q)), X) for q, X in zip(ends, targets))
+        reached = sum(is_near(as_pose(arm.forward_kinematics(q)), X) for q, X in zip(ends, targets))
         out = _run(controller, RigidTransform(home.rotation(), far), 11.0)
         last = RATE * np.diff(out, axis=0)[-round(RATE) :]
         results.append(PoseResult(name, reached, poses, float(np.sqrt((last**2).mean()))))
@@ -123,13 +122,3 @@ def _run(
         simulator.AdvanceTo((k + 0.5) / RATE)
         positions.append(command.Eval(context))
     return np.array(positions)
-
-
-def _pose(T: Array) -> RigidTransform:
-    return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
-
-
-def _near(X: RigidTransform, Y: RigidTransform) -> bool:
-    distance = np.linalg.norm(X.translation() - Y.translation())
-    turn = (X.rotation().inverse() @ Y.rotation()).ToAngleAxis().angle()
-    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1])

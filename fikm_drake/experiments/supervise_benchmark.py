@@ -11,6 +11,7 @@ from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.supervised_differential_ik import SupervisedDifferentialIk
 from fikm_drake.experiments.drake_differential_ik import desired_pose, drake_differential_ik
+from fikm_drake.experiments.pose_checks import as_pose, is_near
 from fikm_drake.experiments.quiet_drake import quiet_drake
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
@@ -27,8 +28,8 @@ BEYOND = 0.4
 RATE = 100.0
 """[Hz]"""
 FAR_SECONDS, POSE_SECONDS, PATH_SECONDS = 11.0, 7.0, 5.0
-TOLERANCE = (1e-3, 0.01)
-"""Of position [m] and rotation [rad]."""
+MOVING = 1e-6
+"""A reversal is of a joint that is about this fast or faster [rad/s]."""
 BEFORE, AFTER = "Drake's controller", "supervised"
 
 Array = NDArray[np.float64]
@@ -139,16 +140,16 @@ def _measure(arm: DhArm, run: tuple[str, Run], poses: int, seed: int) -> Supervi
     path = _path(home)
     goal = np.array([X.translation() for X in path])
     error = np.linalg.norm(arm.forward_kinematics(positions(path))[:, :3, 3] - goal, axis=1)
-    ends = (arm.forward_kinematics(positions(_stay(_pose(T), POSE_SECONDS))[-1]) for T in targets)
+    ends = (arm.forward_kinematics(positions(_stay(as_pose(T), POSE_SECONDS))[-1]) for T in targets)
     return SupervisionResult(
         arm=arm.name,
         name=name,
         unrest=_rms(v),
-        reversals=int((v[1:] * v[:-1] < 0.0).sum(axis=0).max()) if _rms(v) > 1e-9 else 0,
+        reversals=int((v[1:] * v[:-1] < -(MOVING**2)).sum(axis=0).max()),
         far_unrest=float(np.median([_rms(last_second(T)) for T in far])),
         e_max=float(error.max()),
         e_mean=float(error.mean()),
-        reached=sum(_near(_pose(T), _pose(Y)) for T, Y in zip(targets, ends)),
+        reached=sum(is_near(as_pose(T), as_pose(Y)) for T, Y in zip(targets, ends)),
         poses=poses,
     )
 
@@ -206,16 +207,6 @@ def _path(home: Array) -> Poses:
         [0.05 * (np.cos(phase) - 1.0), 0.15 * np.sin(phase), 0.1 * np.sin(2 * phase)], axis=1
     )
     return [RigidTransform(RotationMatrix(home[:3, :3]), home[:3, 3] + p) for p in way]
-
-
-def _pose(T: Array) -> RigidTransform:
-    return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
-
-
-def _near(X: RigidTransform, Y: RigidTransform) -> bool:
-    distance = np.linalg.norm(X.translation() - Y.translation())
-    turn = (X.rotation().inverse() @ Y.rotation()).ToAngleAxis().angle()
-    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1])
 
 
 def _rms(v: Array) -> float:

@@ -109,8 +109,8 @@ class CommandSupervision:
         oscillates = self._changes.count(changes) >= self._threshold
         outbreak = oscillates & (oscillated == 0.0)
         calm = ~oscillates & (gain >= 1.0)
-        recovery *= np.where(outbreak, 0.5, np.where(calm, REGROWTH, 1.0))
-        np.clip(recovery, self._slowest, self._recovery, out=recovery)
-        gain *= np.where(oscillates, self._fall, 1.0 + recovery)
-        np.clip(gain, self._least, 1.0, out=gain)
+        regrown = recovery * np.where(outbreak, 0.5, np.where(calm, REGROWTH, 1.0))
+        recovery[:] = np.minimum(np.maximum(regrown, self._slowest), self._recovery)
+        changed = gain * np.where(oscillates, self._fall, 1.0 + recovery)
+        gain[:] = np.minimum(np.maximum(changed, self._least), 1.0)
         oscillated[:] = oscillates

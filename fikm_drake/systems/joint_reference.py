@@ -8,6 +8,7 @@ from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.checks import check_period, check_positive, check_sizes
+from fikm_drake.systems.joint_integrator import check_position
 
 
 class JointReference(LeafSystem):
@@ -63,11 +64,8 @@ class JointReference(LeafSystem):
             ValueError: it is not n finite numbers.
             RuntimeError: the context is another system's.
         """
-        position = np.array(position, dtype=float)
-        if position.shape != (self._n,) or not np.isfinite(position).all():
-            raise ValueError(
-                f"joint position must be {self._n} finite numbers, got {position.tolist()}"
-            )
+        free = np.full(self._n, np.inf)
+        position = check_position(position, -free, free)
         self.ValidateContext(context)
         context.SetDiscreteState(np.concatenate([position, np.zeros(self._n)]))
 

@@ -17,6 +17,7 @@ from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 
 Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 TARGET = np.array([0.5, -0.45, 0.3])
+OUTPUTS = ("actuation", "valid", "status")
 CALM = partial(fd.FuzzyIkConfig, error_limit=0.05)
 """A config for targets that step."""
 
@@ -122,7 +123,7 @@ def test_ports(discrete, ports):
     inputs, outputs = ports(controller)
     assert inputs == {"desired_position": 3, "estimated_state": 14}
     own = ports(fd.MakeFuzzyIkController(discrete))[1]
-    assert outputs == {"actuation": 7} | own
+    assert outputs == {"actuation": 7} | own | {"valid": 1}
 
 
 def test_a_lost_target_holds_the_arm(discrete):
@@ -131,6 +132,30 @@ def test_a_lost_target_holds_the_arm(discrete):
     np.testing.assert_allclose(q, Q0, atol=1e-6)
     assert np.abs(v).max() < 1e-6
     assert np.isfinite(torque).all()
+
+
+@pytest.mark.parametrize("measured", [False, True])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_lost_state_ends_no_process(discrete, measured, bad):
+    """Torques from the last good state; Drake's inverse dynamics would end the process."""
+    config = fd.FuzzyIkConfig(measured_position=measured)
+    controller = fd.FuzzyIkTorqueController(discrete, config=config)
+    context = controller.CreateDefaultContext()
+    controller.SetPositions(context, Q0)
+    controller.GetInputPort("desired_position").FixValue(context, TARGET)
+    state = np.concatenate([Q0, np.zeros(7)])
+    outputs = []
+    for i in (None, 2, 9):
+        lost = state.copy()
+        if i is not None:
+            lost[i] = bad
+        controller.GetInputPort("estimated_state").FixValue(context, lost)
+        outputs.append([controller.GetOutputPort(name).Eval(context).copy() for name in OUTPUTS])
+    (torque, valid, _), (torque_2, valid_2, status_2), (torque_9, valid_9, _) = outputs
+    np.testing.assert_array_equal(torque_2, torque)
+    np.testing.assert_array_equal(torque_9, torque)
+    assert (valid, valid_2, valid_9) == (1, 0, 0)
+    assert (status_2 == fd.ControllerStatus.INVALID_INPUT) == measured
 
 
 def test_bad_arguments_are_named(discrete, plant_with):

@@ -28,6 +28,7 @@ MAKERS = {
     "StatusMonitor": lambda plant: fd.StatusMonitor(3),
     "CommandSupervisor": lambda plant: fd.CommandSupervisor(7, period=PERIOD),
     "JointReference": lambda plant: fd.JointReference(7, period=PERIOD, time_step=PERIOD / 20),
+    "LastFinite": lambda plant: fd.LastFinite(3, period=PERIOD),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
         plant, law=FuzzyMapping(), config=fd.FuzzyIkConfig(fused=True, measured_position=True)
     ),
@@ -58,6 +59,7 @@ PORTS = {
         {"commanded_position": 7, "commanded_velocity": 7},
         {"desired_state": 14},
     ),
+    "LastFinite": ({"signal": 3}, {"finite_signal": 3, "valid": 1}),
     "FusedFuzzyIk": (
         {"desired_position": 3, "estimated_position": 7},
         {
@@ -107,6 +109,7 @@ GOOD = {
     "limited": np.zeros(1),
     "oscillating": np.zeros(1),
     "u0": np.ones(3),
+    "signal": np.array([0.1, -0.2, 0.3]),
     "commanded_position": 0.3 * np.ones(7),
     "commanded_velocity": 0.5 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
 }
