@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.controllers import InverseDynamicsController
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
-from pydrake.systems.primitives import Demultiplexer
+from pydrake.systems.primitives import Adder, Demultiplexer, Gain
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.laws.law import Law
@@ -16,8 +16,8 @@ from fikm_drake.systems.last_finite import LastFinite
 
 BANDWIDTH = 100.0
 """Of the inner loop by default [rad/s]."""
-ERROR_LIMIT = 0.05
-"""Of the controller by default [m]."""
+ACCELERATION_LIMIT = 20.0
+"""Of the joints' reference by default [rad/s² or m/s²]."""
 
 
 class FuzzyIkTorqueController(Diagram):
@@ -48,24 +48,24 @@ class FuzzyIkTorqueController(Diagram):
     - all other outputs: as of `FuzzyIkController`, described there.
 
     The controller's position command, a new one each period, becomes a reference at the plant's rate
-    by a first-order hold (`JointReference`); its slope is the commanded velocity. The inner loop
-    cancels the arm's own dynamics and gravity and leaves each joint a critically damped second-order
-    error of `bandwidth`.
+    (`JointReference`) by straight lines whose slope is the commanded velocity, inside the plant's
+    velocity limits and `acceleration_limit`. The inner loop cancels the arm's own dynamics and
+    gravity and leaves each joint a critically damped second-order error of `bandwidth`. It is not
+    stable where the actuators are at their effort limits: keep `acceleration_limit` below that.
 
-    The command must be one that the arm can follow. A target that steps asks for speed at once, and
-    an inner loop at its effort limits is not stable: keep `config.error_limit` small, as the default
-    does, or let the target move.
-
-    With `config.measured_position` the IK starts from the plant's joints, and the inner loop's lag
-    is in its loop: Table I's gains need a bandwidth of at least 1 / period, better twice that; lower
-    the gains of `config.supervisor` for a slower one. Too high gains make the arm swing ever more.
+    With `config.measured_position` the IK starts from its command plus what the plant's joints are
+    off the reference, so that the tool is right though the arm droops, and no wait for the limits of
+    the reference is in the loop. The inner loop's own lag is: Table I's gains need a bandwidth of at
+    least 1 / period, better twice that; lower the gains of `config.supervisor` for a slower one. Too
+    high gains make the arm swing ever more.
 
     Args:
         plant: a finalized, discrete plant, fully actuated, with nothing but the arm; it is not
             copied and must live as long.
-        config: by default `FuzzyIkConfig` with an `error_limit` of `ERROR_LIMIT`.
+        config: by default `FuzzyIkConfig()`.
         law: another law in place of the fuzzy mapping that the config describes.
         bandwidth: of the inner loop [rad/s].
+        acceleration_limit: of every joint of the reference [rad/s² or m/s²].
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -78,9 +78,10 @@ class FuzzyIkTorqueController(Diagram):
         config: FuzzyIkConfig | None = None,
         law: Law | None = None,
         bandwidth: float = BANDWIDTH,
+        acceleration_limit: float = ACCELERATION_LIMIT,
     ) -> None:
         super().__init__()
-        config = config or FuzzyIkConfig(error_limit=ERROR_LIMIT)
+        config = config or FuzzyIkConfig()
         check_bandwidth(bandwidth)
         builder = DiagramBuilder()
         ik = AddFuzzyIkController(builder, plant, config=config, law=law)
@@ -92,7 +93,13 @@ class FuzzyIkTorqueController(Diagram):
             )
         reference = builder.AddNamedSystem(
             "joint_reference",
-            JointReference(n, period=config.period, time_step=plant.time_step()),
+            JointReference(
+                n,
+                period=config.period,
+                time_step=plant.time_step(),
+                velocity_limits=plant.GetVelocityUpperLimits(),
+                acceleration_limit=acceleration_limit,
+            ),
         )
         servo = builder.AddNamedSystem(
             "inverse_dynamics",
@@ -117,15 +124,34 @@ class FuzzyIkTorqueController(Diagram):
         builder.ExportInput(desired, desired.get_name())
         builder.ExportInput(guard.get_input_port(), "estimated_state")
         if config.measured_position:
-            split = builder.AddNamedSystem("positions", Demultiplexer(np.array([n, n])))
-            builder.ConnectInput("estimated_state", split.get_input_port())
-            builder.Connect(split.get_output_port(0), ik.GetInputPort("estimated_position"))
+            self._feed_back(builder, n)
         builder.ExportOutput(servo.get_output_port_control(), "actuation")
         for i in range(ik.num_output_ports()):
             port = ik.get_output_port(i)
             builder.ExportOutput(port, port.get_name())
         builder.ExportOutput(guard.GetOutputPort("valid"), "valid")
         builder.BuildInto(self)
+
+    def _feed_back(self, builder: DiagramBuilder, n: int) -> None:
+        """The IK's position: its command plus what the plant's joints are off the reference."""
+        measured, desired = (
+            builder.AddNamedSystem(name, Demultiplexer(np.array([n, n])))
+            for name in ("measured_positions", "desired_positions")
+        )
+        minus = builder.AddNamedSystem("minus", Gain(-1.0, n))
+        total = builder.AddNamedSystem("estimated_position", Adder(3, n))
+        builder.ConnectInput("estimated_state", measured.get_input_port())
+        builder.Connect(self._reference.get_output_port(), desired.get_input_port())
+        builder.Connect(desired.get_output_port(0), minus.get_input_port())
+        for i, port in enumerate(
+            (
+                measured.get_output_port(0),
+                minus.get_output_port(),
+                self._ik.GetOutputPort("commanded_position"),
+            )
+        ):
+            builder.Connect(port, total.get_input_port(i))
+        builder.Connect(total.get_output_port(), self._ik.GetInputPort("estimated_position"))
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
         """Set the commanded joint position (n,) [rad or m] in this controller's context, at rest.
@@ -150,6 +176,7 @@ def AddFuzzyIkTorqueController(
     config: FuzzyIkConfig | None = None,
     law: Law | None = None,
     bandwidth: float = BANDWIDTH,
+    acceleration_limit: float = ACCELERATION_LIMIT,
     name: str = "fuzzy_ik_torque_controller",
 ) -> FuzzyIkTorqueController:
     """Add a controller for `plant`, which is in `builder`, connect the two, and return it.
@@ -157,7 +184,14 @@ def AddFuzzyIkTorqueController(
     Its desired position or pose is left to connect. See `FuzzyIkTorqueController` for all else.
     """
     controller = builder.AddNamedSystem(
-        name, FuzzyIkTorqueController(plant, config=config, law=law, bandwidth=bandwidth)
+        name,
+        FuzzyIkTorqueController(
+            plant,
+            config=config,
+            law=law,
+            bandwidth=bandwidth,
+            acceleration_limit=acceleration_limit,
+        ),
     )
     builder.Connect(plant.get_state_output_port(), controller.GetInputPort("estimated_state"))
     builder.Connect(controller.GetOutputPort("actuation"), plant.get_actuation_input_port())

@@ -51,8 +51,7 @@ class TrackingScenario:
     """The controller; its `task` and `control_rate` follow the scenario."""
     servo_bandwidth: float | None = None
     """Of the inner loop of a torque-driven arm with mass and gravity, a MultibodyPlant at 1 kHz
-    [rad/s], see `FuzzyIkTorqueController`; None: the arm is where the command is. For a target that
-    steps, `config.error_limit` of 0.05 m, so that the command is one the arm can follow."""
+    [rad/s], see `FuzzyIkTorqueController`; None: the arm is where the command is."""
 
     def __post_init__(self) -> None:
         if isinstance(self.arm, DhArm):

@@ -1,7 +1,5 @@
 """Fuzzy IK in front of Drake's inverse dynamics, with a plant of mass and gravity."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 from pydrake.common.value import Value
@@ -10,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
-from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
+from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource, LogVectorOutput
 
 import fikm_drake as fd
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
@@ -18,8 +16,6 @@ from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 TARGET = np.array([0.5, -0.45, 0.3])
 OUTPUTS = ("actuation", "valid", "status")
-CALM = partial(fd.FuzzyIkConfig, error_limit=0.05)
-"""A config for targets that step."""
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +60,7 @@ def settle(model, *, seconds=3.0, heavier=1.0, target=TARGET, config=None, **opt
 @pytest.mark.parametrize("measured", [False, True])
 @pytest.mark.parametrize("fused", [False, True])
 def test_reaches_the_target_and_bears_the_arms_weight(discrete, measured, fused):
-    config = CALM(measured_position=measured, fused=fused)
+    config = fd.FuzzyIkConfig(measured_position=measured, fused=fused)
     q, v, error, torque = settle(discrete, config=config)
     assert error < 1e-4
     assert np.abs(v).max() < 1e-3
@@ -78,7 +74,7 @@ def test_reaches_the_target_and_bears_the_arms_weight(discrete, measured, fused)
 def test_measured_joints_make_up_for_a_wrong_model(discrete):
     """Links a quarter heavier than the model: the open loop droops, the measured one does not."""
     errors = [
-        settle(discrete, heavier=1.25, config=CALM(measured_position=measured))[2]
+        settle(discrete, heavier=1.25, config=fd.FuzzyIkConfig(measured_position=measured))[2]
         for measured in (False, True)
     ]
     assert errors[0] > 1e-4
@@ -89,11 +85,11 @@ def test_a_slow_inner_loop_needs_lower_gains_with_measured_joints(discrete):
     """The trap of measured joints: Table I's gains swing the arm, half of them do not."""
     gains = {"gains": [0.5, 1.3, 0.4], "oscillating_gains": [0.05, 0.2, 0.015]}
     half = fd.GainSupervisorConfig(**gains, initial_gain=0.5)
-    table_1 = CALM(measured_position=True)
-    lower = CALM(measured_position=True, supervisor=half)
-    assert settle(discrete, config=lower, bandwidth=30.0, seconds=5.0)[2] < 1e-3
-    assert settle(discrete, config=table_1, bandwidth=30.0, seconds=0.8)[2] > 0.05
-    assert settle(discrete, config=CALM(), bandwidth=30.0)[2] < 1e-3
+    table_1 = fd.FuzzyIkConfig(measured_position=True)
+    lower = fd.FuzzyIkConfig(measured_position=True, supervisor=half)
+    assert settle(discrete, config=lower, bandwidth=30.0)[2] < 1e-3
+    assert settle(discrete, config=table_1, bandwidth=30.0)[2] > 0.02
+    assert settle(discrete, config=fd.FuzzyIkConfig(), bandwidth=30.0)[2] < 1e-3
 
 
 def test_added_controller_is_connected_to_its_plant():
@@ -101,9 +97,7 @@ def test_added_controller_is_connected_to_its_plant():
     arm = fd.load_arm("iiwa14")
     home = np.array([0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0])
     T = arm.forward_kinematics(home + 0.1)
-    config = fd.FuzzyIkConfig(
-        error_limit=0.05, task="pose", iterations=3, damping=0.1, row_floor=0.05
-    )
+    config = fd.FuzzyIkConfig(task="pose", iterations=3, damping=0.1, row_floor=0.05)
     builder = DiagramBuilder()
     plant = builder.AddSystem(MakeDhArmPlant(arm, time_step=1e-3))
     controller = fd.AddFuzzyIkTorqueController(builder, plant, config=config)
@@ -116,6 +110,28 @@ def test_added_controller_is_connected_to_its_plant():
     plant.SetPositions(robot, home)
     simulator.AdvanceTo(3.0)
     np.testing.assert_allclose(arm.forward_kinematics(plant.GetPositions(robot)), T, atol=1e-3)
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_a_target_that_steps_is_reached_inside_the_limits(measured):
+    """The iiwa14 from q = 0, stretched upright: speeds and torques of the data sheet's order."""
+    arm = fd.load_arm("iiwa14")
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MakeDhArmPlant(arm, time_step=1e-3))
+    config = fd.FuzzyIkConfig(measured_position=measured)
+    controller = fd.AddFuzzyIkTorqueController(builder, plant, config=config)
+    target = builder.AddSystem(ConstantVectorSource([0.4, 0.2, 0.5]))
+    builder.Connect(target.get_output_port(), controller.GetInputPort("desired_position"))
+    states = LogVectorOutput(plant.get_state_output_port(), builder, 1e-3)
+    torques = LogVectorOutput(controller.GetOutputPort("actuation"), builder, 1e-3)
+    simulator = Simulator(builder.Build())
+    root = simulator.get_mutable_context()
+    simulator.AdvanceTo(3.0)
+    state, torque = (sink.FindLog(root).data() for sink in (states, torques))
+    reached = arm.forward_kinematics(state[:7, -1])[:3, 3]
+    np.testing.assert_allclose(reached, [0.4, 0.2, 0.5], atol=1e-4)
+    assert (np.abs(state[7:]).max(axis=1) < 1.1 * arm.velocity).all()
+    assert np.abs(torque).max() < 100.0
 
 
 def test_ports(discrete, ports):
@@ -161,9 +177,11 @@ def test_a_lost_state_ends_no_process(discrete, measured, bad):
 def test_bad_arguments_are_named(discrete, plant_with):
     with pytest.raises(ValueError, match="discrete.*time step of 0.0 s"):
         fd.FuzzyIkTorqueController(plant_with("arm7"))
-    for bandwidth in (0.0, -1.0, np.nan, np.inf):
+    for bandwidth in (0.0, -1.0, np.nan, np.inf):  # bad as either
         with pytest.raises(ValueError, match="bandwidth"):
             fd.FuzzyIkTorqueController(discrete, bandwidth=bandwidth)
+        with pytest.raises(ValueError, match="acceleration_limit"):
+            fd.FuzzyIkTorqueController(discrete, acceleration_limit=bandwidth)
     unactuated = MultibodyPlant(1e-3)
     fd.AddDhArm(unactuated, fd.load_arm("arm7"))
     unactuated.RemoveJointActuator(unactuated.GetJointActuatorByName("joint3_motor"))

@@ -42,15 +42,6 @@ def test_the_log_is_of_the_plants_joints():
     assert len(log.time) == SCENARIO.num_cycles
 
 
-def test_a_run_that_swings_ever_more_keeps_its_log():
-    """Table I's gains on measured joints and an inner loop that is much too slow."""
-    config = fd.FuzzyIkConfig(measured_position=True)
-    scenario = replace(SCENARIO, hold=10.0, servo_bandwidth=20.0, config=config)
-    with pytest.raises(fd.SimulationStopped) as stopped:
-        fd.simulate(scenario)
-    assert 10 < len(stopped.value.log.time) < scenario.num_cycles
-
-
 @pytest.mark.parametrize("bandwidth", [0.0, -1.0, np.nan, np.inf])
 def test_bad_bandwidth_is_named(bandwidth):
     with pytest.raises(ValueError, match="bandwidth must be positive and finite"):

@@ -27,7 +27,13 @@ MAKERS = {
     ),
     "StatusMonitor": lambda plant: fd.StatusMonitor(3),
     "CommandSupervisor": lambda plant: fd.CommandSupervisor(7, period=PERIOD),
-    "JointReference": lambda plant: fd.JointReference(7, period=PERIOD, time_step=PERIOD / 20),
+    "JointReference": lambda plant: fd.JointReference(
+        7,
+        period=PERIOD,
+        time_step=PERIOD / 20,
+        velocity_limits=np.full(7, np.inf),
+        acceleration_limit=20.0,
+    ),
     "LastFinite": lambda plant: fd.LastFinite(3, period=PERIOD),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
         plant, law=FuzzyMapping(), config=fd.FuzzyIkConfig(fused=True, measured_position=True)
