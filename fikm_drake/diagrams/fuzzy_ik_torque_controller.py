@@ -56,8 +56,8 @@ class FuzzyIkTorqueController(Diagram):
     With `config.measured_position` the IK starts from its command plus what the plant's joints are
     off the reference, so that the tool is right though the arm droops, and no wait for the limits of
     the reference is in the loop. The inner loop's own lag is: Table I's gains need a bandwidth of at
-    least 1 / period, better twice that; lower the gains of `config.supervisor` for a slower one. Too
-    high gains make the arm swing ever more.
+    least 1 / period, better twice that; with a slower one the arm swings, unless the gains of
+    `config.supervisor` are lowered.
 
     Args:
         plant: a finalized, discrete plant, fully actuated, with nothing but the arm; it is not

@@ -2,13 +2,12 @@
 
 import dataclasses
 
+from fikm_drake.diagrams.fuzzy_ik_torque_controller import BANDWIDTH
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
-BANDWIDTH = 100.0
-"""Of the inner loop [rad/s]."""
 FACTOR = 1.5
 """Largest ratio to the kinematic errors that we claim."""
 
