@@ -74,6 +74,7 @@ def stability() -> Section:
         cells,
         notes=[
             "3 to 9 joints, tasks of position and of pose; the column `paper` is what theory says.",
+            "A direction that an arm cannot move, λ = 0, keeps its error and counts as stable.",
             "The derivation is in notebooks/stability.ipynb.",
         ],
     )
