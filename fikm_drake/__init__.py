@@ -12,11 +12,20 @@ radians, times in seconds.
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
+from fikm_drake.diagrams.fuzzy_ik_torque_controller import (
+    AddFuzzyIkTorqueController,
+    FuzzyIkTorqueController,
+)
+from fikm_drake.diagrams.supervised_differential_ik import (
+    AddSupervisedDifferentialIk,
+    SupervisedDifferentialIk,
+)
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.detour import DetourState
@@ -34,12 +43,15 @@ from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scena
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.solve_batch import solve_batch
+from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.detour_planner import DetourPlanner
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
+from fikm_drake.systems.joint_reference import JointReference
+from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
@@ -50,9 +62,14 @@ __version__ = "0.1.0"
 __all__ = [
     "AddDhArm",
     "AddFuzzyIkController",
-    "ConfigureParser",
+    "AddFuzzyIkTorqueController",
+    "AddSupervisedDifferentialIk",
     "BatchSolution",
     "BatchStatus",
+    "CommandSupervision",
+    "CommandSupervisor",
+    "CommandSupervisorConfig",
+    "ConfigureParser",
     "ControllerStatus",
     "DampedLeastSquares",
     "DetourPlanner",
@@ -65,12 +82,15 @@ __all__ = [
     "FuzzyIk",
     "FuzzyIkConfig",
     "FuzzyIkController",
+    "FuzzyIkTorqueController",
     "FuzzyMapping",
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
     "JacobianTranspose",
     "JointIntegrator",
+    "JointReference",
+    "LastFinite",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
@@ -78,6 +98,7 @@ __all__ = [
     "RuleBase",
     "SimulationStopped",
     "StatusMonitor",
+    "SupervisedDifferentialIk",
     "TaskError",
     "TrackingLog",
     "TrackingMetrics",

@@ -9,6 +9,7 @@ from fikm_drake.experiments import (
     hard_benchmark,
     pose_benchmark,
     step_benchmark,
+    supervise_benchmark,
 )
 
 Progress = Callable[[float], None]
@@ -46,6 +47,9 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "supervise": Benchmark(
+        "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
     ),
 }
 """Benchmarks by name."""

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import Value
-from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
+from fikm_drake.experiments.pose_checks import as_pose, is_near
 from fikm_drake.experiments.pose_peers import Run, advance, pose_peers
 from fikm_drake.experiments.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
@@ -22,8 +23,6 @@ from fikm_drake.laws.law import Law
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 ARM, HOME = "iiwa14", (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
-TOLERANCE = (1e-3, 0.01)
-"""Of position [m] and rotation [rad]."""
 INSIDE = 1e-6
 """A limit that is crossed by less is not crossed: solvers of QPs stop there [rad]."""
 SECONDS, RATE = 6.0, 100.0
@@ -71,8 +70,8 @@ def pose_benchmark(
         raise ValueError(f"poses must be positive, got {poses}")
     arm = load_arm(ARM)
     postures = np.random.default_rng(seed).uniform(arm.lower, arm.upper, (poses, arm.num_joints))
-    targets = [_pose(T) for T in arm.forward_kinematics(postures)]
-    home = _pose(arm.forward_kinematics(HOME))
+    targets = [as_pose(T) for T in arm.forward_kinematics(postures)]
+    home = as_pose(arm.forward_kinematics(HOME))
     ray = home.translation() - SHOULDER
     far = SHOULDER + (REACH + BEYOND) * ray / np.linalg.norm(ray)
     methods = _ours(arm) | pose_peers(arm, np.array(HOME), RATE)
@@ -148,14 +147,7 @@ def _ours(arm: DhArm) -> dict[str, Run]:
     return {name: method(*variant) for name, variant in variants().items()}
 
 
-def _pose(T: Array) -> RigidTransform:
-    return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
-
-
 def _reaches(arm: DhArm, q: Array, X: RigidTransform) -> bool:
     """True if the tool at q (n,) is at X within the tolerance, and q inside the limits."""
-    Y = _pose(arm.forward_kinematics(q))
-    distance = np.linalg.norm(X.translation() - Y.translation())
-    turn = (X.rotation().inverse() @ Y.rotation()).ToAngleAxis().angle()
     inside = (q >= arm.lower - INSIDE).all() and (q <= arm.upper + INSIDE).all()
-    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1] and inside)
+    return bool(inside and is_near(as_pose(arm.forward_kinematics(q)), X))

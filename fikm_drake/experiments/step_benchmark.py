@@ -2,10 +2,8 @@
 
 import dataclasses
 import gc
-import logging
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from statistics import median
 
 import numpy as np
@@ -18,6 +16,7 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
+from fikm_drake.experiments.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
@@ -72,7 +71,7 @@ def step_benchmark(
         "fikm_drake fused": _our_step(fused=True),
     }
     times: dict[str, list[list[float]]] = {name: [] for name in makers}
-    with _quiet_drake():
+    with quiet_drake():
         for i in range(rounds):
             for name, make in makers.items():
                 times[name].append(_follow(make(scenario), scenario.num_cycles))
@@ -115,18 +114,6 @@ def _follow(step: Step, cycles: int) -> list[float]:
         return [step(k) for k in range(cycles)]
     finally:
         gc.enable()
-
-
-@contextmanager
-def _quiet_drake() -> Iterator[None]:
-    """Without the warnings of Drake's integrator, which is stuck at first in the arm's singular start."""
-    logger = logging.getLogger("drake")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
 
 
 def _our_step(*, fused: bool) -> Callable[[TrackingScenario], Step]:

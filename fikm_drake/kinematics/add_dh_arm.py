@@ -28,9 +28,14 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
     return instance
 
 
-def MakeDhArmPlant(arm: DhArm) -> MultibodyPlant:
-    """A finalized, continuous plant with nothing but `arm`, for its kinematics."""
-    plant = MultibodyPlant(time_step=0.0)
+def MakeDhArmPlant(arm: DhArm, *, time_step: float = 0.0) -> MultibodyPlant:
+    """A finalized plant with nothing but `arm`; continuous, for its kinematics, by default.
+
+    Args:
+        arm: the arm.
+        time_step: of a discrete plant [s]; 0: a continuous one.
+    """
+    plant = MultibodyPlant(time_step=time_step)
     AddDhArm(plant, arm)
     plant.Finalize()
     return plant

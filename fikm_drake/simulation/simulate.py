@@ -8,12 +8,15 @@ from pydrake.systems.framework import Context, DiagramBuilder
 from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
+from fikm_drake.diagrams.fuzzy_ik_torque_controller import AddFuzzyIkTorqueController
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.law import Law
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
-LOGGED = ("commanded_position", "joint_step", "gain", "oscillating", "status")
+LOGGED = ("joint_step", "gain", "oscillating", "status")
+TIME_STEP = 1e-3
+"""Of a torque-driven arm [s]."""
 
 
 class SimulationStopped(RuntimeError):
@@ -44,14 +47,25 @@ def simulate(
     """
     scenario.validate()
     arm = scenario.load_arm()
-    plant = MakeDhArmPlant(arm)
 
     builder = DiagramBuilder()
     desired = builder.AddNamedSystem("desired", TrajectorySource(scenario.trajectory()))
-    controller = AddFuzzyIkController(builder, plant, config=scenario.controller_config(), law=law)
+    config = scenario.controller_config()
+    if scenario.servo_bandwidth is None:
+        controller = AddFuzzyIkController(builder, MakeDhArmPlant(arm), config=config, law=law)
+        plant, position = None, controller.GetOutputPort("commanded_position")
+    else:
+        plant = builder.AddNamedSystem("plant", MakeDhArmPlant(arm, time_step=TIME_STEP))
+        controller = AddFuzzyIkTorqueController(
+            builder, plant, config=config, law=law, bandwidth=scenario.servo_bandwidth
+        )
+        position = plant.get_state_output_port()
     builder.Connect(desired.get_output_port(), controller.GetInputPort("desired_position"))
     period = 1.0 / scenario.control_rate
-    sinks = {"desired": LogVectorOutput(desired.get_output_port(), builder, period)}
+    sinks = {
+        "desired": LogVectorOutput(desired.get_output_port(), builder, period),
+        "position": LogVectorOutput(position, builder, period),
+    }
     for name in LOGGED:
         sinks[name] = LogVectorOutput(controller.GetOutputPort(name), builder, period)
     diagram = builder.Build()
@@ -60,17 +74,18 @@ def simulate(
     simulator = Simulator(diagram)
     root = simulator.get_mutable_context()
     controller.SetPositions(controller.GetMyMutableContextFromRoot(root), scenario.start())
+    if plant is not None:
+        plant.SetPositions(plant.GetMyMutableContextFromRoot(root), scenario.start())
 
     def log() -> TrackingLog:
-        last = controller.GetOutputPort("commanded_position").Eval(
-            controller.GetMyContextFromRoot(root)
-        )
+        last = position.Eval(position.get_system().GetMyContextFromRoot(root))
         return _collect(scenario, {name: _data(sink, root) for name, sink in sinks.items()}, last)
 
     try:
         for cycles in _chunks(scenario.num_cycles):
-            # Half a cycle past the last wanted update, so that rounding cannot lose or add one.
-            simulator.AdvanceTo((cycles - 0.5) * period)
+            # Short of the end of the last wanted cycle, so that rounding cannot add one, but past
+            # the last time step of a torque-driven arm in it.
+            simulator.AdvanceTo((cycles - 0.01) * period)
             if progress:
                 progress(cycles / scenario.num_cycles)
     except (Exception, KeyboardInterrupt) as reason:
@@ -96,7 +111,7 @@ def _collect(
     """The log of the cycles done: Drake publishes each sample before the cycle's update."""
     N = min(len(series) for series in data.values())
     data = {name: series[:N] for name, series in data.items()}
-    q = np.concatenate([data["commanded_position"][1:], [last]])
+    q = np.concatenate([data["position"][1:], [last]])[:, : len(scenario.start())]
     coordinates = scenario.controller_config().make_task().coordinates
     actual = scenario.load_arm().forward_kinematics(q)[:, coordinates, 3]
     return TrackingLog(

@@ -14,6 +14,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 
@@ -48,6 +49,9 @@ class TrackingScenario:
     """`constant` speed, or `cubic`: the path length is a cubic of time, at rest at both ends."""
     config: FuzzyIkConfig = field(default_factory=FuzzyIkConfig)
     """The controller; its `task` and `control_rate` follow the scenario."""
+    servo_bandwidth: float | None = None
+    """Of the inner loop of a torque-driven arm with mass and gravity, a MultibodyPlant at 1 kHz
+    [rad/s], see `FuzzyIkTorqueController`; None: the arm is where the command is."""
 
     def __post_init__(self) -> None:
         if isinstance(self.arm, DhArm):
@@ -71,6 +75,8 @@ class TrackingScenario:
         if self.profile not in PROFILES:
             raise ValueError(f"profile must be one of {PROFILES}, got {self.profile!r}")
         self.controller_config().validate()
+        if self.servo_bandwidth is not None:
+            check_bandwidth(self.servo_bandwidth)
         if self.num_cycles < 1:
             raise ValueError(
                 f"duration + hold must be at least one cycle of {1 / self.control_rate} s, "

@@ -18,6 +18,13 @@ def check_period(period: float) -> float:
     return float(period)
 
 
+def check_bandwidth(bandwidth: float) -> float:
+    """The bandwidth [rad/s]; ValueError unless it is positive and finite."""
+    if not (isfinite(bandwidth) and bandwidth > 0.0):
+        raise ValueError(f"bandwidth must be positive and finite [rad/s], got {bandwidth!r}")
+    return float(bandwidth)
+
+
 def check_positive(name: str, value: float) -> float:
     """The value, which may be infinite; ValueError unless it is positive."""
     if not value > 0.0:

@@ -29,6 +29,15 @@ MAKERS = {
         -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
     ),
     "StatusMonitor": lambda plant: fd.StatusMonitor(3, detour=True),
+    "CommandSupervisor": lambda plant: fd.CommandSupervisor(7, period=PERIOD),
+    "JointReference": lambda plant: fd.JointReference(
+        7,
+        period=PERIOD,
+        time_step=PERIOD / 20,
+        velocity_limits=np.full(7, np.inf),
+        acceleration_limit=20.0,
+    ),
+    "LastFinite": lambda plant: fd.LastFinite(3, period=PERIOD),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
         plant,
         law=FuzzyMapping(iterations=3),
@@ -60,6 +69,15 @@ PORTS = {
         {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1, "calm": 1, "detour": 1},
         {"status": 1},
     ),
+    "CommandSupervisor": (
+        {"commanded_velocity": 7},
+        {"calmed_velocity": 7, "gain": 7, "oscillating": 7, "valid": 1},
+    ),
+    "JointReference": (
+        {"commanded_position": 7, "commanded_velocity": 7},
+        {"desired_state": 14},
+    ),
+    "LastFinite": ({"signal": 3}, {"finite_signal": 3, "valid": 1}),
     "FusedFuzzyIk": (
         {"desired_position": 3, "estimated_position": 7},
         {
@@ -80,6 +98,14 @@ STATE_ONLY = {
     | {(i, o) for i in ("task_error", "joint_step") for o in ("oscillating", "calm", "damping")},
     "DetourPlanner": {(i, "detour") for i in ("desired_position", "position", "law_step")},
     "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
+    "CommandSupervisor": {
+        ("commanded_velocity", "gain"),
+        ("commanded_velocity", "oscillating"),
+    },
+    "JointReference": {
+        ("commanded_position", "desired_state"),
+        ("commanded_velocity", "desired_state"),
+    },
     "FusedFuzzyIk": {
         (i, o)
         for i in ("desired_position", "estimated_position")
@@ -109,6 +135,9 @@ GOOD = {
     "limited": np.zeros(1),
     "oscillating": np.zeros(1),
     "u0": np.ones(3),
+    "signal": np.array([0.1, -0.2, 0.3]),
+    "commanded_position": 0.3 * np.ones(7),
+    "commanded_velocity": 0.5 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
 }
 
 

@@ -5,6 +5,9 @@ from fikm_drake.experiments.fikm.claims import claims
 from fikm_drake.experiments.fikm.measured_times import times
 from fikm_drake.experiments.fikm.operation_counts import table_7
 from fikm_drake.experiments.fikm.rules import table_1, table_2
+from fikm_drake.experiments.fikm.stability import stability
+from fikm_drake.experiments.fikm.supervise import supervise
+from fikm_drake.experiments.fikm.torque import torque
 from fikm_drake.experiments.fikm.tracking import (
     figure_11,
     figure_12,
@@ -30,5 +33,8 @@ EXPERIMENTS: dict[str, Experiment] = {
     "table 7": table_7,
     "times": times,
     "claims": claims,
+    "stability": stability,
+    "torque": torque,
+    "supervise": supervise,
 }
 """What can be reproduced, in the paper's order."""

@@ -1,0 +1,20 @@
+"""When a pose counts as reached."""
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RotationMatrix
+
+TOLERANCE = (1e-3, 0.01)
+"""Of position [m] and rotation [rad]."""
+
+
+def as_pose(T: NDArray[np.float64]) -> RigidTransform:
+    """A homogeneous matrix (4,4) as Drake's pose."""
+    return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
+
+
+def is_near(X: RigidTransform, Y: RigidTransform) -> bool:
+    """True if two poses differ by less than `TOLERANCE`."""
+    distance = np.linalg.norm(X.translation() - Y.translation())
+    turn = (X.rotation().inverse() @ Y.rotation()).ToAngleAxis().angle()
+    return bool(distance < TOLERANCE[0] and turn < TOLERANCE[1])

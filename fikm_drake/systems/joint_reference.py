@@ -1,0 +1,107 @@
+"""The block between a sampled position command and a faster inner loop."""
+
+from functools import partial
+from math import floor, isfinite
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+
+from fikm_drake.laws.follow import follow
+from fikm_drake.laws.steps import all_finite
+from fikm_drake.systems.checks import check_period, check_positive, check_sizes
+from fikm_drake.systems.joint_integrator import check_position
+
+
+class JointReference(LeafSystem):
+    """Makes a sampled joint command one that an arm can follow, for an inner loop at a higher rate.
+
+    .. pydrake_system::
+
+        name: JointReference
+        input_ports:
+        - commanded_position
+        - commanded_velocity
+        output_ports:
+        - desired_state
+
+    - **commanded_position** (n) [rad or m]: new at the start of each period.
+    - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
+    - **desired_state** (2n) [q; v]: follows, within the limits of velocity and acceleration, the
+      straight line that reaches the commanded position at the end of the period with the commanded
+      velocity (a first-order hold); from the state. While an input is not finite it comes to rest.
+
+    So the inner loop sees no steps of position, and nobody differentiates. Its state is written
+    half a time step before each of the inner loop's, so that it does not matter which of two events
+    at the same time comes first.
+
+    Args:
+        num_joints: n.
+        period: of the position command [s].
+        time_step: of the inner loop [s].
+        velocity_limits: (n,) [rad/s or m/s]; inf for none.
+        acceleration_limit: of every joint, finite [rad/s² or m/s²].
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+
+    def __init__(
+        self,
+        num_joints: int,
+        *,
+        period: float,
+        time_step: float,
+        velocity_limits: ArrayLike,
+        acceleration_limit: float,
+    ) -> None:
+        super().__init__()
+        check_sizes(num_joints=num_joints)
+        self._period = check_period(period)
+        self._time_step = check_positive("time_step", time_step)
+        if self._time_step > self._period:
+            raise ValueError(f"time_step must be at most the period {period} s, got {time_step!r}")
+        speed = np.array(velocity_limits, dtype=float)
+        if speed.shape != (num_joints,) or not (speed > 0.0).all():
+            raise ValueError(
+                f"velocity_limits must be {num_joints} positive numbers, got {speed.tolist()}"
+            )
+        if not (isfinite(acceleration_limit) and acceleration_limit > 0.0):
+            raise ValueError(
+                f"acceleration_limit must be positive and finite, got {acceleration_limit!r}"
+            )
+        self._n = num_joints
+        self._follow = partial(
+            follow, step=self._time_step, speed=speed, acceleration=float(acceleration_limit)
+        )
+        position = self.DeclareVectorInputPort("commanded_position", num_joints)
+        velocity = self.DeclareVectorInputPort("commanded_velocity", num_joints)
+        self._position, self._velocity = position.Eval, velocity.Eval
+        state = self.DeclareDiscreteState(2 * num_joints)
+        self.DeclareStateOutputPort("desired_state", state)
+        self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.5 * time_step, self._update)
+
+    def SetPositions(self, context: Context, position: ArrayLike) -> None:
+        """Set the desired joint position (n,) [rad or m] in this block's context, at rest.
+
+        Raises:
+            ValueError: it is not n finite numbers.
+            RuntimeError: the context is another system's.
+        """
+        free = np.full(self._n, np.inf)
+        position = check_position(position, -free, free)
+        self.ValidateContext(context)
+        context.SetDiscreteState(np.concatenate([position, np.zeros(self._n)]))
+
+    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
+        n = self._n
+        position, velocity = self._position(context), self._velocity(context)
+        state = discrete_state.get_mutable_value()  # holds the present state until it is written
+        if all_finite(position) and all_finite(velocity):
+            time = context.get_time()
+            end = (floor(time / self._period) + 1.0) * self._period
+            rest = max(end - time - 0.5 * self._time_step, 0.0)  # from the inner loop's next step
+            target, target_velocity = position - rest * velocity, velocity
+        else:
+            target, target_velocity = state[:n].copy(), np.zeros(n)
+        state[:n], state[n:] = self._follow(state[:n], state[n:], target, target_velocity)
