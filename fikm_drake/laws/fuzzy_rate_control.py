@@ -13,8 +13,6 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.rate_inference import INFERENCE, rate_rules, rule_texts
 
-GAINS = {"paper": 1.4, "smooth": 1.3}
-"""Gain of each variant by default [-]; the paper gives none."""
 TINY = 1e-150
 """Universes below this are zero: their squares would underflow."""
 CHUNK = 2048
@@ -47,8 +45,8 @@ class FuzzyRateControl:
 
     Args:
         variant: `smooth` or `paper`.
-        gain: of each step, in (0, 2) [-]; None: 1.3 for `smooth`, 1.4 for `paper`. Near 1 the joints
-            of an arm with many of them travel least.
+        gain: of each joint's step, in (0, 2) [-]. More leaves less of the error, and the joints travel
+            farther. None: 1 for one sweep of `smooth`, 1.3 for several, 1.4 for `paper`.
         sweeps: passes over the joints in one step.
         reach: L_k of each joint (n,) [m for each rad or m]; `for_arm` knows those of an arm. None:
             the lengths of the columns at hand, for any arm.
@@ -71,7 +69,8 @@ class FuzzyRateControl:
     ) -> None:
         if variant not in INFERENCE:
             raise ValueError(f"variant must be one of {tuple(INFERENCE)}, got {variant!r}")
-        gain = GAINS[variant] if gain is None else gain
+        if gain is None:  # the paper gives none
+            gain = 1.4 if variant == "paper" else 1.0 if sweeps == 1 else 1.3
         if not 0.0 < gain < 2.0:
             raise ValueError(f"gain must be in (0, 2), beyond is not stable, got {gain!r}")
         if not isinstance(sweeps, int) or sweeps < 1:

@@ -3,6 +3,7 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
 from math import isfinite
+from typing import Any
 
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
@@ -59,6 +60,19 @@ class FuzzyIkConfig:
     """Row and column sums up to this fraction of the largest count as zero [-]."""
     supervisor: GainSupervisorConfig = field(default_factory=GainSupervisorConfig)
     """The constants of section 2.7."""
+
+    @classmethod
+    def resolved_rate(cls, **fields: Any) -> "FuzzyIkConfig":
+        """The config of a plain resolved-rate loop: gain 1, no filters; the law's step as it is.
+
+        For laws that take the whole error at once, such as `FuzzyRateControl`, `PseudoInverse` or
+        `DampedLeastSquares`: gains and filters of the paper would slow them down.
+
+        Args:
+            fields: any other fields, such as `control_rate=100.0`.
+        """
+        constant = GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3)
+        return cls(**{"gain_smoothing": 0.0, "error_smoothing": 0.0, "supervisor": constant} | fields)
 
     @property
     def period(self) -> float:
