@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments import (
+    batch_benchmark,
+    pose_benchmark,
+    rate_benchmark,
+    step_benchmark,
+)
 
 Progress = Callable[[float], None]
 
@@ -31,6 +36,9 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "frmrc": Benchmark(
+        "fuzzy rate control beside the pseudo-inverse, in batch", "rounds", 10, rate_benchmark.table
     ),
 }
 """Benchmarks by name."""

@@ -46,7 +46,7 @@ class FuzzyRateControl:
     Args:
         variant: `smooth` or `paper`.
         gain: of each joint's step, in (0, 2) [-]. More leaves less of the error, and the joints travel
-            farther. None: 1 for one sweep of `smooth`, 1.3 for several, 1.4 for `paper`.
+            farther. None: 1.4 for `paper`; for `smooth` 1.3, but 1 for one sweep without `reach`.
         sweeps: passes over the joints in one step.
         reach: L_k of each joint (n,) [m for each rad or m]; `for_arm` knows those of an arm. None:
             the lengths of the columns at hand, for any arm.
@@ -70,7 +70,8 @@ class FuzzyRateControl:
         if variant not in INFERENCE:
             raise ValueError(f"variant must be one of {tuple(INFERENCE)}, got {variant!r}")
         if gain is None:  # the paper gives none
-            gain = 1.4 if variant == "paper" else 1.0 if sweeps == 1 else 1.3
+            exact = sweeps == 1 and reach is None
+            gain = 1.4 if variant == "paper" else 1.0 if exact else 1.3
         if not 0.0 < gain < 2.0:
             raise ValueError(f"gain must be in (0, 2), beyond is not stable, got {gain!r}")
         if not isinstance(sweeps, int) or sweeps < 1:

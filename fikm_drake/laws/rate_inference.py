@@ -1,7 +1,7 @@
 """The five rules of fuzzy resolved motion rate control (Kim & Lee 1993, section 2, Table 1).
 
-A joint k and a row i of the task are described by a = dr_i / D and j = J_ik / L_k, held to [−1, 1]:
-D is the universe of the error, L_k that of the joint's column. With the memberships of figure 4,
+A joint k and a row i of the task are described by a = dr_i / D, held to [−1, 1], and j = J_ik / L_k:
+D is the universe of the error, L_k ≥ |J_k| that of the joint's column. With the memberships of figure 4,
 
     dr: N = max(−a, 0), Z = 1 − |a|, P = max(a, 0);    J: N = (1 − j) / 2, P = (1 + j) / 2,
 
@@ -70,7 +70,7 @@ def smooth_one(
 def paper_many(column: Array, error: Array, inverse: Array, error_range: float) -> Array:
     """Zadeh's OR of the rows and the height method: as `smooth_many`."""
     a = np.clip(error / error_range, -1.0, 1.0)
-    size, push = np.abs(a), a * np.clip(column * inverse, -1.0, 1.0)
+    size, push = np.abs(a), a * (column * inverse)
     P, N, Z = (size + push).max(axis=0), (size - push).max(axis=0), 1.0 - size.min(axis=0)
     return error_range * inverse * (P - N) / (P + N + 2.0 * Z)
 
@@ -82,7 +82,7 @@ def paper_one(
     P = N = Z = 0.0
     for c, e in zip(column, error):
         a = min(max(e / error_range, -1.0), 1.0)
-        size, push = abs(a), a * min(max(c * inverse, -1.0), 1.0)
+        size, push = abs(a), a * c * inverse
         P, N, Z = max(P, size + push), max(N, size - push), max(Z, 1.0 - size)
     return error_range * inverse * (P - N) / (P + N + 2.0 * Z)
 

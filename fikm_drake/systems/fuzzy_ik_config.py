@@ -71,8 +71,12 @@ class FuzzyIkConfig:
         Args:
             fields: any other fields, such as `control_rate=100.0`.
         """
-        constant = GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3)
-        return cls(**{"gain_smoothing": 0.0, "error_smoothing": 0.0, "supervisor": constant} | fields)
+        plain: dict[str, Any] = {
+            "gain_smoothing": 0.0,
+            "error_smoothing": 0.0,
+            "supervisor": GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3),
+        }
+        return cls(**(plain | fields))
 
     @property
     def period(self) -> float:

@@ -31,7 +31,9 @@ def comparison(logs: dict[str, TrackingLog], shown: str, count: int) -> Figure:
     """
     figure = Figure(figsize=(12, 6.4), layout="constrained")
     grid = figure.add_gridspec(len(logs), 2, width_ratios=(1.05, 1))
-    snapshots(figure.add_subplot(grid[:, 0]), logs[shown], count)
+    arm = figure.add_subplot(grid[:, 0])
+    snapshots(arm, logs[shown], count)
+    arm.set_title(f"{shown}: the arm, from light to dark", fontsize=9, loc="left")
     first = None
     for row, (name, log) in enumerate(logs.items()):
         axes = first = figure.add_subplot(grid[row, 1], sharex=first, sharey=first)
@@ -63,8 +65,8 @@ def snapshots(axes: Axes, log: TrackingLog, count: int) -> None:
     joints = arm.link_poses(chosen)[..., :2, 3]
     tool = arm.forward_kinematics(chosen)[:, None, :2, 3]
     for k, points in enumerate(np.concatenate([joints, tool], axis=1)):
-        shade = 0.25 + 0.75 * k / max(count - 1, 1)
-        axes.plot(*points.T, "o-", color="tab:gray", alpha=shade, linewidth=2, markersize=4)
+        shade = k / max(count - 1, 1)
+        axes.plot(*points.T, "o-", color=str(0.9 - 0.6 * shade), linewidth=2, markersize=4)
     axes.plot(*log.desired.T, "k--", linewidth=1, label="desired")
     axes.plot(*log.actual.T, color="tab:blue", linewidth=1.8, label="actual")
     axes.plot(0.0, 0.0, "ks", markersize=8)

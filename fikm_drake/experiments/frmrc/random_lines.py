@@ -75,13 +75,10 @@ def lines() -> Section:
         postures, targets = random_lines(arm, 2 if task == "xy" else 3)
         runs = {key: track(law, arm, postures, targets) for key, law in found.items()}
         reference = runs.pop(RMRC)
-        cells += [
-            _cell(name, key, run, reference, most.get(key, (None, None)))
-            for key, run in runs.items()
-        ]
+        cells += [_cell(name, key, run, reference, most.get(key)) for key, run in runs.items()]
     notes = [
-        f"{LINES} lines in {SECONDS:g} s at {RATE:g} Hz with the cubic profile, between the tool positions of two",
-        "random postures each, limits ignored while moving: many pass by singular postures, where the",
+        f"Of {SECONDS:g} s at {RATE:g} Hz with the cubic profile, each between the tool positions of two",
+        "random postures, limits ignored on the way: many pass by singular postures, where the",
         "pseudo-inverse turns the joints fast and the fuzzy laws are late instead.",
         "Each: max error over the pseudo-inverse's (median / 90th percentile); travel of the joints over",
         "its (median); lines that are within 0.01 mm 50 cycles after the end.",
@@ -103,12 +100,12 @@ def _cell(
     key: str,
     run: BatchRun,
     reference: BatchRun,
-    most: tuple[float | None, float | None],
+    most: tuple[float, float] | None,
 ) -> Cell:
     error = run.error.max(axis=0) / reference.error.max(axis=0)
     middle, high = np.percentile(error, [50, 90])
     travel = float(np.median(run.travel / reference.travel))
     ended = 100 * np.mean(run.error[-1] < 1e-5)
-    claim = None if most[0] is None else bool(high <= most[0] and travel <= most[1])
+    claim = None if most is None else bool(high <= most[0] and travel <= most[1])
     text = f"{middle:5.2f} / {high:5.2f}, travel {travel:.2f}, {ended:3.0f} %"
     return Cell(f"{arm}, {key}", None, text, claim)

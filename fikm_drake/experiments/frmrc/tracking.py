@@ -82,7 +82,9 @@ def _figure(key: str, title: str, scenario: str, snapshots: int) -> Section:
             claim = None if name == PAPER else rest < SETTLED
             cells.append(Cell(f"{rate:g} Hz, {name}: error at the end [mm]", "0", rest, claim))
         if rate == RATES[0]:
-            after = {name: 1000 * np.linalg.norm(log.error, axis=1).max() for name, log in logs.items()}
+            after = {
+                name: 1000 * np.linalg.norm(log.error, axis=1).max() for name, log in logs.items()
+            }
             pictures[f"frmrc_{key.replace(' ', '_')}"] = comparison(
                 {name: logs[name] for name in (PAPER, ONE, THREE, RMRC)}, ONE, snapshots
             )
