@@ -13,8 +13,8 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.rate_inference import INFERENCE, rate_rules, rule_texts
 
-TINY = 1e-150
-"""Universes below this are zero: their squares would underflow."""
+LEAST = 1e-6
+"""The longest universe is at least this [m for each rad]: a tool on the only axis does not spin."""
 CHUNK = 2048
 """Cases that fit a core's cache."""
 
@@ -157,7 +157,7 @@ class FuzzyRateControl:
         universes = np.sqrt(np.einsum("kij,kij->kj", columns, columns))
         if self.reach is not None:
             np.maximum(universes, self.reach[:, None], out=universes)
-        largest = np.maximum(universes.max(axis=0), TINY)
+        largest = np.maximum(universes.max(axis=0), LEAST)
         steps = np.zeros(universes.shape)
         for floor in self._floors:
             inverses = 1.0 / np.maximum(universes, floor * largest)
@@ -178,8 +178,8 @@ class FuzzyRateControl:
                 error = [e * (D / size) for e in error]
         universes = [sqrt(sum(map(mul, column, column))) for column in columns]
         if self._reaches:
-            universes = [max(u, reach) for u, reach in zip(universes, self._reaches)]
-        largest = max(TINY, *universes)
+            universes = [max(u, reach) for u, reach in zip(universes, self._reaches, strict=True)]
+        largest = max(LEAST, *universes)
         steps = [0.0] * len(columns)
         for floor in self._floors:
             least = floor * largest

@@ -83,7 +83,8 @@ def paper_one(
     for c, e in zip(column, error):
         a = min(max(e / error_range, -1.0), 1.0)
         size, push = abs(a), a * c * inverse
-        P, N, Z = max(P, size + push), max(N, size - push), max(Z, 1.0 - size)
+        # The new one first, so that a column of NaN gives NaN.
+        P, N, Z = max(size + push, P), max(size - push, N), max(1.0 - size, Z)
     return error_range * inverse * (P - N) / (P + N + 2.0 * Z)
 
 
