@@ -111,7 +111,7 @@ class FuzzyRateControl:
 
     @property
     def rules(self) -> RuleBase:
-        """Table 1 as rules of dr / D and J / L_k with dθ / T_k as output; universes [−1, 1]."""
+        """Table 1 as rules: dr / D and J / L_k to dθ L_k / (gain · D), all in [−1, 1]."""
         return rate_rules()
 
     @property
