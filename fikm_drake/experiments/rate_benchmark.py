@@ -29,11 +29,14 @@ class RateCost:
     """One law on the Jacobians of one arm's task."""
 
     arm: str
+    """Name of the arm."""
     task: str
+    """The rows of its Jacobian that count."""
     law: str
+    """Name of the law in `laws`."""
     batch: float
     """CPU time of a case in a batch, median over the rounds [µs]."""
-    gain: float
+    speedup: float
     """How many times faster than the pseudo-inverse's batch, median over the rounds [-]."""
     step: float
     """CPU time of a case alone, `law.step`, median over the rounds [µs]."""
@@ -98,7 +101,7 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
     lines = [f"CPU time of a joint step, {CASES} Jacobians in a batch and one by one (median)"]
     lines += [
         f"  {cost.arm:9s} {cost.task:8s} {cost.law:20s} batch {cost.batch:6.3f} µs,"
-        f" {cost.gain:5.1f} times faster than {PINV}; one by one {cost.step:5.1f} µs"
+        f" {cost.speedup:5.1f} times faster than {PINV}; one by one {cost.step:5.1f} µs"
         for cost in rate_benchmark(rounds=rounds, progress=progress)
     ]
     return "\n".join(lines)

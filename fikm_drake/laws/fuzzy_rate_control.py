@@ -32,10 +32,10 @@ class FuzzyRateControl:
     D is the universe of the error. L_k, that of the joint's column J_k, is the length the column
     can reach, `reach`, as we read the paper; or, without `reach`, the length it has at this posture.
     It is never below a fraction of the largest: a joint with a short lever moves the tool little
-    and would have to turn far. `sweeps` go through the joints again with the same J, and the
-    fraction falls evenly from 1 in the first sweep to `floor` in the last (1, 1/2, 1/4 for three):
-    first the joints share the motion as the pseudo-inverse does, then those with short levers mend
-    what is left.
+    and would have to turn far. `sweeps` go through the joints again with the same J. The fraction
+    is `floor` in the last and rises by equal factors to 1 in the first (1, 1/2, 1/4 for three
+    sweeps): first the joints share the motion much as the pseudo-inverse has them do, then those
+    with short levers mend what is left.
 
     - `smooth` sums the rules over the rows of the task: dθ_k = gain · J_kᵀ dr / L_k², a Gauss-Seidel
       pass over Jᵀ J. No pass increases |dr − J dθ|, whatever J is. A longer error than D is shortened

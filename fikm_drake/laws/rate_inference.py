@@ -1,7 +1,8 @@
 """The five rules of fuzzy resolved motion rate control (Kim & Lee 1993, section 2, Table 1).
 
 A joint k and a row i of the task are described by a = dr_i / D, held to [−1, 1], and j = J_ik / L_k:
-D is the universe of the error, L_k ≥ |J_k| that of the joint's column. With the memberships of figure 4,
+D is the universe of the error, L_k ≥ |J_k| that of the joint's column. With the memberships of
+figure 4, as we read them,
 
     dr: N = max(−a, 0), Z = 1 − |a|, P = max(a, 0);    J: N = (1 − j) / 2, P = (1 + j) / 2,
 

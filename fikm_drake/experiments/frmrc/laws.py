@@ -7,6 +7,13 @@ from fikm_drake.laws.pseudo_inverse import PseudoInverse
 
 PAPER, ONE, THREE, FIXED = "paper", "smooth", "smooth, 3 sweeps", "smooth, fixed universes"
 RMRC = "pseudo-inverse"
+ALLOWED = {
+    "line": {FIXED: 3.0, ONE: 3.0, THREE: 1.5},
+    "circle": {FIXED: 5.0, ONE: 5.0, THREE: 2.0},
+}
+"""The largest error that we claim on each path, over that of the pseudo-inverse [-]."""
+SETTLED = 0.01
+"""What we call zero [mm]."""
 
 
 def laws(arm: DhArm, task: str) -> dict[str, Law]:
