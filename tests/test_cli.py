@@ -215,7 +215,7 @@ def test_benchmark_batch_prints_success_and_time(capsys, monkeypatch):
 def test_benchmark_poses_prints_each_law(capsys):
     assert main(["benchmark", "poses", "--poses", "1"]) == 0
     printed = capsys.readouterr().out
-    assert printed.count(" of 1 poses") == 4
+    assert printed.count(" of 1 poses") == 5
     assert "damped least squares" in printed and "rad/s rms" in printed
 
 

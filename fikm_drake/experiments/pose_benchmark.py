@@ -15,6 +15,7 @@ from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.laws.law import Law
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
@@ -35,14 +36,19 @@ Array = NDArray[np.float64]
 
 def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
     """What is compared: a config, and a law in place of its fuzzy mapping."""
+    common: dict[str, Any] = dict(task="pose", control_rate=RATE, fused=True, error_limit=0.1)
 
     def config(**changes: Any) -> FuzzyIkConfig:
-        return FuzzyIkConfig(task="pose", control_rate=RATE, fused=True, error_limit=0.1, **changes)
+        return FuzzyIkConfig(**common, **changes)
 
     return {
         "fuzzy, paper's law": (config(), None),
         "fuzzy, 3 iterations": (config(iterations=3, damping=0.1, row_floor=0.05), None),
         "fuzzy, 6 iterations": (config(iterations=6, damping=0.1, row_floor=0.05), None),
+        "rate control, 3 sweeps": (
+            FuzzyIkConfig.resolved_rate(**common),
+            FuzzyRateControl(sweeps=3),
+        ),
         "damped least squares 0.05": (config(), DampedLeastSquares(0.05)),
     }
 

@@ -66,7 +66,7 @@ class FuzzyIkConfig:
         """The config of a plain resolved-rate loop: gain 1, no filters; the law's step as it is.
 
         For laws that take the whole error at once, such as `FuzzyRateControl`, `PseudoInverse` or
-        `DampedLeastSquares`: gains and filters of the paper would slow them down.
+        `DampedLeastSquares`: the gain and the filters of Xu & Nechyba 1993 would slow them down.
 
         Args:
             fields: any other fields, such as `control_rate=100.0`.

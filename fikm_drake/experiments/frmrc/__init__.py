@@ -1,6 +1,6 @@
 """Paper 3, Kim & Lee 1993: Table 1, figures 4, 6 and 7, and past them (`fikm-drake reproduce frmrc`)."""
 
-from fikm_drake.experiments.frmrc.controller import controller
+from fikm_drake.experiments.frmrc.controller import controller, out_of_reach
 from fikm_drake.experiments.frmrc.descent import descent
 from fikm_drake.experiments.frmrc.random_lines import lines, starts
 from fikm_drake.experiments.frmrc.rules import table_1
@@ -16,5 +16,6 @@ EXPERIMENTS: dict[str, Experiment] = {
     "lines": lines,
     "descent": descent,
     "controller": controller,
+    "out of reach": out_of_reach,
 }
 """What can be reproduced, the paper's first."""
