@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 
+from fikm_drake.experiments.fikm.ablation import LAST, OPTIMUM, UNREACHABLE
 from fikm_drake.experiments.frmrc.laws import ONE, PAPER, RMRC, THREE, laws
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -11,11 +12,7 @@ from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_scenario import load_scenario
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
-LINE, UNREACHABLE = "table6_5s", "unreachable_4"
-OPTIMUM = 0.5
-"""Distance of the target (0, 2) from the reach of 1.5 m [m]."""
-LAST = 50
-"""Cycles at the end in which motion is measured."""
+LINE = "table6_5s"
 
 
 def controller() -> Section:
