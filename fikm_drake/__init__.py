@@ -30,6 +30,7 @@ from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
 from fikm_drake.laws.jacobian_transpose import JacobianTranspose
 from fikm_drake.laws.law import Law
@@ -84,6 +85,7 @@ __all__ = [
     "FuzzyIkController",
     "FuzzyIkTorqueController",
     "FuzzyMapping",
+    "FuzzyRateControl",
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",

@@ -217,3 +217,9 @@ def test_benchmark_poses_prints_each_law(capsys):
     printed = capsys.readouterr().out
     assert printed.count(" of 1 poses") >= 6
     assert "damped least squares" in printed and "rad/s" in printed
+
+
+def test_benchmark_frmrc_prints_batch_and_step(capsys):
+    assert main(["benchmark", "frmrc", "--rounds", "1"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count("smooth, 3 sweeps") == 3 and "one by one" in printed

@@ -8,6 +8,7 @@ from fikm_drake.experiments import (
     cycle_benchmark,
     hard_benchmark,
     pose_benchmark,
+    rate_benchmark,
     step_benchmark,
     supervise_benchmark,
 )
@@ -50,6 +51,9 @@ BENCHMARKS = {
     ),
     "supervise": Benchmark(
         "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
+    ),
+    "frmrc": Benchmark(
+        "fuzzy rate control beside the pseudo-inverse, in batch", "rounds", 10, rate_benchmark.table
     ),
 }
 """Benchmarks by name."""

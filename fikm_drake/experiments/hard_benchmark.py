@@ -74,11 +74,11 @@ def hard_benchmark(
 
 def loops() -> dict[str, Loop]:
     """The methods: a scenario to the joint positions (N,n) after each cycle."""
-    calm = FuzzyIkConfig(iterations=3, damping=0.05, row_floor=0.05)
+    sharp = FuzzyIkConfig.resolved_rate(iterations=3, damping=0.05, row_floor=0.05)
     return {
         "fuzzy, as in the paper": partial(_ours, FuzzyIkConfig.as_in_paper()),
         "fuzzy, calm (default)": partial(_ours, FuzzyIkConfig()),
-        "fuzzy, 3 iterations, unfiltered": partial(_ours, _sharp(calm)),
+        "fuzzy, 3 iterations, unfiltered": partial(_ours, sharp),
         "damped least squares 0.05": partial(_plain, DampedLeastSquares(0.05)),
         "pseudo-inverse": partial(_plain, PseudoInverse()),
         "Drake DoDifferentialInverseKinematics": _drake,
@@ -99,14 +99,6 @@ def table(seconds: int, progress: Callable[[float], None]) -> str:
             f" | {r.step[0]:5.2f} {r.step[1]:6.2f} | {beyond}"
         )
     return "\n".join(lines)
-
-
-def _sharp(config: FuzzyIkConfig) -> FuzzyIkConfig:
-    """One full step a cycle: no filter, gain 1; what a pseudo-inverse is compared with."""
-    supervisor = config.supervisor
-    supervisor.gains = [1.0, 1.0, 1.0]
-    config.gain_smoothing = config.error_smoothing = 0.0
-    return config
 
 
 def _measure(name: str, loop: Loop, seconds: float) -> HardResult:

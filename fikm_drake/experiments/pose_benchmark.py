@@ -19,6 +19,7 @@ from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.laws.law import Law
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
@@ -125,6 +126,10 @@ def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
         "fuzzy, the paper's law": (config(), None),
         "fuzzy, 6 iterations": (config(**sharp), None),
         "fuzzy, 6 iterations, detour": (config(**sharp, detour=True, detour_speed=3.0), None),
+        "rate control, 3 sweeps": (
+            FuzzyIkConfig.resolved_rate(task="pose", control_rate=RATE, fused=True),
+            FuzzyRateControl(sweeps=3),
+        ),
         "damped least squares 0.05 in our controller": (config(), DampedLeastSquares(0.05)),
     }
 

@@ -90,6 +90,23 @@ class FuzzyIkConfig:
             | changes
         )
 
+    @classmethod
+    def resolved_rate(cls, **fields: Any) -> "FuzzyIkConfig":
+        """The config of a plain resolved-rate loop: gain 1, no filters; the law's step as it is.
+
+        For laws that take the whole error at once, such as `FuzzyRateControl`, `PseudoInverse` or
+        `DampedLeastSquares`: the gain and the filters of Xu & Nechyba 1993 would slow them down.
+
+        Args:
+            fields: any other fields, such as `control_rate=100.0`.
+        """
+        plain: dict[str, Any] = {
+            "gain_smoothing": 0.0,
+            "error_smoothing": 0.0,
+            "supervisor": GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3),
+        }
+        return cls(**(plain | fields))
+
     @property
     def period(self) -> float:
         """Of the control cycle [s]."""

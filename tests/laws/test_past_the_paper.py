@@ -10,11 +10,7 @@ from hypothesis import strategies as st
 import fikm_drake as fd
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients
 
-SHARP = fd.FuzzyIkConfig(
-    supervisor=fd.GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3),
-    gain_smoothing=0.0,
-    error_smoothing=0.0,
-)
+SHARP = fd.FuzzyIkConfig.resolved_rate()
 LAWS = [
     fd.FuzzyMapping(),
     fd.FuzzyMapping(iterations=3),
@@ -22,6 +18,8 @@ LAWS = [
     fd.DampedLeastSquares(),
     fd.PseudoInverse(),
     fd.JacobianTranspose(),
+    fd.FuzzyRateControl(),
+    fd.FuzzyRateControl("paper", sweeps=2),
 ]
 
 

@@ -1,11 +1,11 @@
 """Paper 1, sections 2.5, 2.7 and 3: generated rules, and the rules of the supervisor."""
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fikm_drake.experiments.plot_memberships import plot_memberships
 from fikm_drake.experiments.report import Cell, Section, equal
-from fikm_drake.fuzzy import GeneratedRuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy import GeneratedRuleBase, generate_rule_base
 from fikm_drake.laws.gain_supervision import GainSupervisorConfig, gain_rules
 
 J_MAX = 1.5
@@ -27,8 +27,8 @@ def table_1() -> Section:
     ]
     figure = _figure()
     left, right = figure.subplots(1, 2)
-    _plot_memberships(left, rules.first, "error / its average of the last ten [-]")
-    _plot_memberships(right, rules.second, "sign changes of a joint in the last ten [-]")
+    plot_memberships(left, rules.first, "error / its average of the last ten [-]")
+    plot_memberships(right, rules.second, "sign changes of a joint in the last ten [-]")
     notes = ["Where the memberships of figure 6 peak is our reading; the paper gives no numbers."]
     return Section(
         "table 1", "rules of the gain, figures 6 and 7", cells, notes, {"figures_6_7": figure}
@@ -87,8 +87,8 @@ def table_2() -> Section:
 def _memberships_figure(rules: GeneratedRuleBase) -> Figure:
     figure = _figure()
     left, right = figure.subplots(1, 2)
-    _plot_memberships(left, rules.first, "dr [m]")
-    _plot_memberships(right, rules.second, "J [m]")
+    plot_memberships(left, rules.first, "dr [m]")
+    plot_memberships(right, rules.second, "J [m]")
     return figure
 
 
@@ -122,18 +122,6 @@ def _history_figure(rules: GeneratedRuleBase) -> Figure:
     axes.grid(alpha=0.3)
     axes.legend()
     return figure
-
-
-def _plot_memberships(axes: Axes, partition: TriangularPartition, xlabel: str) -> None:
-    knots = partition.knots
-    margin = 0.1 * (knots[-1] - knots[0])
-    x = np.unique(np.concatenate([knots, np.linspace(knots[0] - margin, knots[-1] + margin, 400)]))
-    for grades, label in zip(partition.grades(x).T, partition.labels):
-        axes.plot(x, grades, linewidth=1.2)
-        axes.annotate(label, (x[grades.argmax()], 1.02), ha="center", fontsize=8)
-    axes.set_ylim(0, 1.12)
-    axes.set_xlabel(xlabel)
-    axes.set_ylabel("grade [-]")
 
 
 def _figure() -> Figure:

@@ -1,0 +1,203 @@
+"""Fuzzy resolved motion rate control: (J, dr) to a joint step, joint by joint (Kim & Lee 1993)."""
+
+from math import isfinite, sqrt
+from operator import mul
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fikm_drake.fuzzy.rule_base import RuleBase
+from fikm_drake.kinematics.column_reach import column_reach
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.rate_inference import INFERENCE, rate_rules, rule_texts
+
+LEAST = 1e-6
+"""The longest universe is at least this [m for each rad]: a tool on the only axis does not spin."""
+CHUNK = 2048
+"""Cases that fit a core's cache."""
+
+Array = NDArray[np.float64]
+
+
+class FuzzyRateControl:
+    """Fuzzy resolved motion rate control, a law `(J, dr) -> joint_step`.
+
+    The joints are asked one after the other, from the base to the tool. Five rules (`rules`) say
+    how far joint k goes for the error that the joints before it have left over (equations 13-15):
+
+        dθ_k = gain · (D / L_k) · push of the rules for dr / D and J_k / L_k,    dr ← dr − J_k dθ_k.
+
+    D is the universe of the error. L_k, that of the joint's column J_k, is the length the column
+    can reach, `reach`, as we read the paper; or, without `reach`, the length it has at this posture.
+    It is never below a fraction of the largest: a joint with a short lever moves the tool little
+    and would have to turn far. `sweeps` go through the joints again with the same J. The fraction
+    is `floor` in the last and rises by equal factors to 1 in the first (1, 1/2, 1/4 for three
+    sweeps): first the joints share the motion much as the pseudo-inverse has them do, then those
+    with short levers mend what is left.
+
+    - `smooth` sums the rules over the rows of the task: dθ_k = gain · J_kᵀ dr / L_k², a Gauss-Seidel
+      pass over Jᵀ J. No pass increases |dr − J dθ|, whatever J is. A longer error than D is shortened
+      in its own direction; `reach` gives way to a column that is longer.
+    - `paper` takes the largest over the rows (Zadeh's OR), as we read the paper: each row is cut at
+      D, the step can go the wrong way, and the error dies away more slowly.
+
+    Args:
+        variant: `smooth` or `paper`.
+        gain: of each joint's step, in (0, 2) [-]. More leaves less of the error, and the joints travel
+            farther. None: 1.4 for `paper`; for `smooth` 1.3, but 1 for one sweep without `reach`.
+        sweeps: passes over the joints in one step.
+        reach: L_k of each joint (n,) [m for each rad or m]; `for_arm` knows those of an arm. None:
+            the lengths of the columns at hand, for any arm.
+        floor: least L_k as a fraction of the largest, in (0, 1] [-].
+        error_range: D [m]; it should exceed the error of ordinary tracking.
+
+    Raises:
+        ValueError: naming the bad value and the valid ones.
+    """
+
+    def __init__(
+        self,
+        variant: str = "smooth",
+        *,
+        gain: float | None = None,
+        sweeps: int = 1,
+        reach: ArrayLike | None = None,
+        floor: float = 0.25,
+        error_range: float = 0.1,
+    ) -> None:
+        if variant not in INFERENCE:
+            raise ValueError(f"variant must be one of {tuple(INFERENCE)}, got {variant!r}")
+        if gain is None:  # the paper gives none
+            exact = sweeps == 1 and reach is None
+            gain = 1.4 if variant == "paper" else 1.0 if exact else 1.3
+        if not 0.0 < gain < 2.0:
+            raise ValueError(f"gain must be in (0, 2), beyond is not stable, got {gain!r}")
+        if not isinstance(sweeps, int) or sweeps < 1:
+            raise ValueError(f"sweeps must be a positive integer, got {sweeps!r}")
+        if not 0.0 < floor <= 1.0:
+            raise ValueError(f"floor must be in (0, 1], got {floor!r}")
+        if not (isfinite(error_range) and error_range > 0.0):
+            raise ValueError(f"error_range must be positive and finite [m], got {error_range!r}")
+        self.variant = variant
+        self.gain = float(gain)
+        self.sweeps = sweeps
+        self.floor = float(floor)
+        self.error_range = float(error_range)
+        self.reach = None if reach is None else _checked_reach(reach)
+        self._many, self._one = INFERENCE[variant]
+        self._shorten = variant == "smooth"
+        self._floors: list[float] = np.geomspace(floor, 1.0, sweeps)[::-1].tolist()
+        self._reaches: list[float] = [] if self.reach is None else self.reach.tolist()
+
+    @classmethod
+    def for_arm(
+        cls, arm: DhArm, variant: str = "smooth", *, task: str | Task = "position", **options: Any
+    ) -> "FuzzyRateControl":
+        """The law with the universes L_k of an arm, the lengths that its columns can reach.
+
+        Args:
+            arm: the arm.
+            variant: `smooth` or `paper`.
+            task: the rows that count, as of the controller.
+            options: as of the constructor, but for `reach`.
+
+        Raises:
+            ValueError: a prismatic joint without limits makes a reach infinite, or as above.
+        """
+        task = Task(task) if isinstance(task, str) else task
+        return cls(variant, reach=column_reach(arm.jacobian_range(), task), **options)
+
+    @property
+    def rules(self) -> RuleBase:
+        """Table 1 as rules: dr / D and J / L_k to dθ L_k / (gain · D), all in [−1, 1]."""
+        return rate_rules()
+
+    @property
+    def rule_texts(self) -> list[str]:
+        """The five rules in words."""
+        return rule_texts()
+
+    def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
+        """The joint step of one control cycle.
+
+        Args:
+            J: Jacobian (…,m,n).
+            dr: task error (…,m) in the units of the rows of J.
+
+        Returns:
+            (…,n) [rad or m].
+
+        Raises:
+            ValueError: the shapes do not fit.
+        """
+        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
+        if J.ndim < 2 or dr.ndim < 1 or J.shape[-2] != dr.shape[-1]:
+            raise ValueError(f"J must be (…, m, n) and dr (…, m), got {J.shape} and {dr.shape}")
+        m, n = J.shape[-2:]
+        if self.reach is not None and len(self.reach) != n:
+            raise ValueError(f"J must have {len(self.reach)} columns, as reach has, got {n}")
+        lead = np.broadcast_shapes(J.shape[:-2], dr.shape[:-1])
+        J = np.broadcast_to(J, (*lead, m, n)).reshape(-1, m, n)
+        dr = np.broadcast_to(dr, (*lead, m)).reshape(-1, m)
+        steps = np.empty((len(J), n))
+        for start in range(0, len(J), CHUNK):
+            chunk = slice(start, start + CHUNK)
+            # A structure of arrays: the cases along the last axis.
+            columns = np.ascontiguousarray(J[chunk].transpose(2, 1, 0))
+            steps[chunk] = self._passes(columns, dr[chunk].T.copy()).T
+        return steps.reshape(*lead, n)
+
+    def _passes(self, columns: Array, error: Array) -> Array:
+        """Steps (n,N) for columns (n,m,N) and errors (m,N), which are overwritten by what is left."""
+        D = self.error_range
+        if self._shorten:
+            error *= D / np.maximum(np.abs(error).max(axis=0), D)
+        universes = np.sqrt(np.einsum("kij,kij->kj", columns, columns))
+        if self.reach is not None:
+            np.maximum(universes, self.reach[:, None], out=universes)
+        largest = np.maximum(universes.max(axis=0), LEAST)
+        steps = np.zeros(universes.shape)
+        for floor in self._floors:
+            inverses = 1.0 / np.maximum(universes, floor * largest)
+            for column, inverse, total in zip(columns, inverses, steps):
+                step = self._many(column, error, inverse, D)
+                step *= self.gain
+                total += step
+                error -= column * step
+        return steps
+
+    def step(self, J: Array, dr: Array) -> Array:
+        """As `law(J, dr)` for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
+        columns, error = J.T.tolist(), dr.tolist()
+        D, gain, infer = self.error_range, self.gain, self._one
+        if self._shorten:
+            size = max(map(abs, error))
+            if size > D:
+                error = [e * (D / size) for e in error]
+        universes = [sqrt(sum(map(mul, column, column))) for column in columns]
+        if self._reaches:
+            universes = [max(u, reach) for u, reach in zip(universes, self._reaches, strict=True)]
+        largest = max(LEAST, *universes)
+        steps = [0.0] * len(columns)
+        for floor in self._floors:
+            least = floor * largest
+            for k, column in enumerate(columns):
+                step = gain * infer(column, error, 1.0 / max(universes[k], least), D)
+                steps[k] += step
+                error = [e - c * step for e, c in zip(error, column)]
+        return np.array(steps)
+
+
+def _checked_reach(values: ArrayLike) -> Array:
+    reach = np.array(values, dtype=float)
+    if reach.ndim != 1 or not reach.size:
+        raise ValueError(f"reach must be one number a joint, got shape {reach.shape}")
+    if not (np.isfinite(reach).all() and (reach >= 0).all()):
+        raise ValueError(
+            f"reach must be finite and not negative, got {reach.tolist()}; "
+            "a prismatic joint needs limits"
+        )
+    reach.flags.writeable = False
+    return reach
