@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.fuzzy.integer import IntegerRuleBase, write_c
-from fikm_drake.fuzzy.integer.integer_rule_base import LARGEST, Conjunction
 from fikm_drake.fuzzy.integer.integer_partition import Rounding
+from fikm_drake.fuzzy.integer.integer_rule_base import LARGEST, Conjunction
 from fikm_drake.fuzzy.integer.write_c import Shape
 from fikm_drake.kinematics.desk import load_desk
 from fikm_drake.kinematics.load_arm import load_arm

@@ -29,9 +29,7 @@ class TiltedPlaneInverse(DeskInverse):
         ValueError: the arm has another geometry, or see `Desk.validate`.
     """
 
-    def __init__(
-        self, arm: DhArm, desk: Desk, *, heading: tuple[float, float] = HEADING
-    ) -> None:
+    def __init__(self, arm: DhArm, desk: Desk, *, heading: tuple[float, float] = HEADING) -> None:
         super().__init__(arm, desk, arm.default_position)
         self._lengths = _link_lengths(arm.table)
         self._heading = heading

@@ -138,14 +138,14 @@ class IntegerRuleBase:
         near, far = self._rows[i], self._rows[i + 1]
         outputs = [
             least + (ac * p + ad * q + bc * r + bd * s + half) // total
-            for least, p, q, r, s in zip(
-                self._least_list, near[j], near[j + 1], far[j], far[j + 1]
-            )
+            for least, p, q, r, s in zip(self._least_list, near[j], near[j + 1], far[j], far[j + 1])
         ]
         inside = self.first.low <= x <= self.first.high and self.second.low <= y <= self.second.high
         return outputs, not inside
 
-    def infer_batch(self, x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    def infer_batch(
+        self, x: ArrayLike, y: ArrayLike
+    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Infers the outputs of arrays of integers, as `infer` does.
 
         Args:

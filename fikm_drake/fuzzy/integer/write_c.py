@@ -23,7 +23,11 @@ Shape = Literal["shared_cell", "rule_loop"]
 
 
 def write_c(
-    rules: IntegerRuleBase, path: str | Path, *, shape: Shape = "shared_cell", note: str = "Units are those of the rule base."
+    rules: IntegerRuleBase,
+    path: str | Path,
+    *,
+    shape: Shape = "shared_cell",
+    note: str = "Units are those of the rule base.",
 ) -> tuple[Path, Path]:
     """Write a rule base as C99, `NAME.c` and `NAME.h`, with the function `NAME_infer`.
 
