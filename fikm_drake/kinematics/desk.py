@@ -42,7 +42,7 @@ class Desk:
         """Points (…,2) of the desk [mm] in the world (…,3) [m]."""
         x, y = np.moveaxis(np.asarray(points, dtype=float) / 1000, -1, 0)
         c, s = cos(self.yaw), sin(self.yaw)
-        return np.stack([c * x - s * y, s * x + c * y, np.zeros_like(x)], axis=-1) + self.origin
+        return np.stack([c * x - s * y, s * x + c * y, 0.0 * x], axis=-1) + self.origin
 
     def from_world(self, positions: ArrayLike) -> Array:
         """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m]."""

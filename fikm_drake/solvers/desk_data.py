@@ -58,7 +58,8 @@ class DeskData:
         if not least_squares and self._is_grid(x, y, labels):
             order = np.lexsort((self._points[:, 1], self._points[:, 0]))
             table = self._positions[order].reshape(len(x), len(y), -1)
-            return IntegerPartition(x.astype(int)), IntegerPartition(y.astype(int)), table
+            first, second = (IntegerPartition([int(knot) for knot in axis]) for axis in (x, y))
+            return first, second, table
         first = IntegerPartition.even(floor(x[0]), ceil(x[-1]), labels[0])
         second = IntegerPartition.even(floor(y[0]), ceil(y[-1]), labels[1])
         fitted = fit_singletons(first, second, self._points, self._positions, conjunction)

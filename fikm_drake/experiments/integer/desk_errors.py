@@ -1,7 +1,7 @@
 """How far from the wanted point of the desk the tool comes to lie."""
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.solvers.desk_inverse import DeskInverse
 from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
@@ -9,7 +9,7 @@ from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
 Array = NDArray[np.float64]
 
 
-def desk_errors(inverse: DeskInverse, points: Array, q: Array) -> tuple[Array, Array]:
+def desk_errors(inverse: DeskInverse, points: ArrayLike, q: Array) -> tuple[Array, Array]:
     """Distance in the desk's plane and height over it of the tool.
 
     Args:
@@ -21,7 +21,7 @@ def desk_errors(inverse: DeskInverse, points: Array, q: Array) -> tuple[Array, A
         Distances (…) and heights (…) [mm].
     """
     reached = inverse.reached(q)
-    return np.linalg.norm(reached[..., :2] - points, axis=-1), reached[..., 2]
+    return np.linalg.norm(reached[..., :2] - np.asarray(points), axis=-1), reached[..., 2]
 
 
 def grid_errors(ik: IntegerFuzzyIk, inverse: DeskInverse, *, every: int = 1) -> tuple[Array, Array]:

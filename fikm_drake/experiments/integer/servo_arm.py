@@ -48,7 +48,7 @@ class Trace:
 def trace(ik: IntegerFuzzyIk, inverse: DeskInverse, points: Array) -> Trace:
     """Drive the arm along points (k,2) [mm] of the desk, from rest at the first one."""
     count = len(points)
-    times = PERIOD * np.arange(count + 1)
+    times = PERIOD * (np.arange(count + 1) - 0.5)  # rounding cannot lose or add a point
     held = inverse.desk.to_world(np.concatenate([points, points[-1:]]))
     builder = DiagramBuilder()
     desired = builder.AddNamedSystem(
@@ -57,7 +57,7 @@ def trace(ik: IntegerFuzzyIk, inverse: DeskInverse, points: Array) -> Trace:
     block = builder.AddNamedSystem("ik", IntegerFuzzyIkSystem(ik, inverse.desk, period=PERIOD))
     plant = builder.AddSystem(MultibodyPlant(TIME_STEP))
     instance = AddDhArm(plant, inverse.arm)
-    for index in plant.GetJointActuatorIndices(instance):
+    for index in plant.GetJointActuatorIndices():
         plant.get_joint_actuator(index).set_controller_gains(SERVO)
     plant.Finalize()
     start = inverse(points[0])
@@ -78,7 +78,7 @@ def trace(ik: IntegerFuzzyIk, inverse: DeskInverse, points: Array) -> Trace:
     root = simulator.get_mutable_context()
     plant.SetPositions(plant.GetMyMutableContextFromRoot(root), instance, start)
     block.SetPositions(block.GetMyMutableContextFromRoot(root), start)
-    simulator.AdvanceTo(float(times[-1]) + 0.5 * PERIOD)
+    simulator.AdvanceTo((count + 0.5) * PERIOD)
     # Drake publishes before it updates: what point k led to is in sample k + 1.
     logs = {name: sink.FindLog(root).data()[:, 1 : count + 1].T for name, sink in sinks.items()}
     return Trace(

@@ -29,10 +29,10 @@ def labels_in_order(singletons: NDArray[np.int64], paper: tuple[str, ...]) -> tu
     Returns:
         Labels like the paper's; where singletons are equal, in the paper's order.
     """
-    wanted = [ORDER.index(label) for row in paper for label in row.split()]
+    wanted = np.array([ORDER.index(label) for row in paper for label in row.split()])
     order = np.lexsort((wanted, singletons.T.ravel()))
     dealt = np.empty(len(wanted), dtype=int)
-    dealt[order] = sorted(wanted)
+    dealt[order] = np.sort(wanted)
     return tuple(" ".join(ORDER[k] for k in row) for row in dealt.reshape(3, 3))
 
 
@@ -65,29 +65,26 @@ def table_1() -> Section:
 
 def _figure(rules: IntegerRuleBase) -> Figure:
     figure = Figure(figsize=(10, 5), layout="constrained")
-    grid = figure.add_gridspec(4, 2)
+    grid = figure.add_gridspec(1, 2)
+    left, right = figure.add_subfigure(grid[0]), figure.add_subfigure(grid[1])
     inputs = (("x [mm]", rules.first, X_LABELS), ("y [mm]", rules.second, Y_LABELS))
-    for k, (name, partition, labels) in enumerate(inputs):
-        axes = figure.add_subplot(grid[2 * k : 2 * k + 2, 0])
+    for axes, (name, partition, labels) in zip(left.subplots(2), inputs):
         for knot, label, grades in zip(partition.knots, labels, _grades(partition)):
             axes.plot(range(partition.low, partition.high + 1), grades, linewidth=1.2)
             axes.annotate(label, (knot, 262), ha="center", fontsize=9)
         axes.set_ylim(0, 300)
         axes.set_xlabel(name)
         axes.set_ylabel("grade [-]")
-    for j, joint in enumerate(TABLE_1):
-        axes = figure.add_subplot(grid[j, 1])
-        angles = rules.singletons[..., j].T / 100
-        for row, label, height in zip(angles, Y_LABELS, (1.0, 0.8, 0.6)):
-            axes.vlines(row, 0, height, color=f"C{Y_LABELS.index(label)}", label=f"y = {label}")
+    rows = right.subplots(len(TABLE_1), sharex=True)
+    for j, (axes, joint) in enumerate(zip(rows, TABLE_1)):
+        for k, label in enumerate(Y_LABELS):
+            angles = rules.singletons[:, k, j] / 100
+            axes.vlines(angles, 0, 1 - 0.2 * k, color=f"C{k}", label=f"y = {label}")
         axes.set_yticks([])
         axes.set_ylim(0, 1.15)
-        axes.set_xlim(-60, 145)
         axes.set_ylabel(joint.replace(" ", "\n"), rotation=0, ha="right", va="center")
-        axes.tick_params(labelbottom=j == len(TABLE_1) - 1)
-        if j == 0:
-            axes.legend(ncols=3, fontsize=8, loc="upper left")
-    axes.set_xlabel("singletons [°]")
+    rows[0].legend(ncols=3, fontsize=8, loc="upper left")
+    rows[-1].set_xlabel("singletons [°]")
     return figure
 
 

@@ -16,9 +16,8 @@ MOST_LABELS = 33
 """The most memberships of an input."""
 LIMIT = 32767
 """Knots are from −LIMIT to LIMIT: 16 bits."""
-ROUNDINGS = ("truncate", "nearest")
-
 Rounding = Literal["truncate", "nearest"]
+ROUNDINGS: tuple[Rounding, ...] = ("truncate", "nearest")
 Integers = NDArray[np.int64]
 
 

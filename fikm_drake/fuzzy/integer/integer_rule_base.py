@@ -16,13 +16,12 @@ from fikm_drake.fuzzy.integer.integer_partition import (
     check_choice,
 )
 
-CONJUNCTIONS = ("min", "product")
+Conjunction = Literal["min", "product"]
+CONJUNCTIONS: tuple[Conjunction, ...] = ("min", "product")
 LARGEST = 2**31 - 1
 """Of a singleton: 32 bits."""
 SPAN = 2**16 - 1
 """Largest difference between two singletons of an output: the C tables hold 16 bits."""
-
-Conjunction = Literal["min", "product"]
 
 
 class IntegerRuleBase:

@@ -11,7 +11,8 @@ import numpy as np
 from fikm_drake.fuzzy.integer.integer_partition import GRADE, IntegerPartition, check_choice
 from fikm_drake.fuzzy.integer.integer_rule_base import IntegerRuleBase
 
-SHAPES = ("shared_cell", "rule_loop")
+Shape = Literal["shared_cell", "rule_loop"]
+SHAPES: tuple[Shape, ...] = ("shared_cell", "rule_loop")
 KEYWORDS = frozenset(
     "auto break case char const continue default do double else enum extern float for goto if inline int "
     "long register restrict return short signed sizeof static struct switch typedef union unsigned void "
@@ -19,15 +20,13 @@ KEYWORDS = frozenset(
 )
 _TEMPLATES = Path(__file__).parent / "templates"
 
-Shape = Literal["shared_cell", "rule_loop"]
-
 
 def write_c(
     rules: IntegerRuleBase,
     path: str | Path,
     *,
     shape: Shape = "shared_cell",
-    note: str = "Units are those of the rule base.",
+    note: str = "Units: those of the rule base.",
 ) -> tuple[Path, Path]:
     """Write a rule base as C99, `NAME.c` and `NAME.h`, with the function `NAME_infer`.
 
