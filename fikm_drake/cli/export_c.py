@@ -1,8 +1,10 @@
 """`fikm-drake export-c`: fuzzy inverse kinematics in integers as C99."""
 
 import argparse
+import sys
+from pathlib import Path
 
-from fikm_drake.cli.exit_codes import OK
+from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.fuzzy.integer import SHAPES
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
 from fikm_drake.fuzzy.integer.integer_rule_base import CONJUNCTIONS
@@ -33,6 +35,9 @@ def add_export_c(commands: "argparse._SubParsersAction") -> None:
 
 
 def _export(options: argparse.Namespace) -> int:
+    if not Path(options.path).parent.is_dir():
+        print(f"fikm-drake: cannot write {options.path}: there is no such folder", file=sys.stderr)
+        return FAILED
     ik = IntegerFuzzyIk(
         load_desk_data(options.data) if options.data else None,
         labels=tuple(options.labels),

@@ -40,20 +40,21 @@ class Desk:
 
     def to_world(self, points: ArrayLike) -> Array:
         """Points (…,2) of the desk [mm] in the world (…,3) [m]."""
-        x, y = np.moveaxis(np.asarray(points, dtype=float) / 1000, -1, 0)
-        c, s = cos(self.yaw), sin(self.yaw)
-        return np.stack([c * x - s * y, s * x + c * y, 0.0 * x], axis=-1) + self.origin
+        return np.asarray(points, dtype=float) / 1000 @ self._axes()[:2] + self.origin
 
     def from_world(self, positions: ArrayLike) -> Array:
         """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m]."""
-        x, y, height = np.moveaxis(1000 * (np.asarray(positions, dtype=float) - self.origin), -1, 0)
-        c, s = cos(self.yaw), sin(self.yaw)
-        return np.stack([c * x + s * y, c * y - s * x, height], axis=-1)
+        return 1000 * (np.asarray(positions, dtype=float) - self.origin) @ self._axes().T
 
     def grid(self) -> NDArray[np.int64]:
         """Every point whose coordinates are whole millimetres (width + 1, depth + 1, 2)."""
         width, depth = self.size
-        return np.stack(np.mgrid[: width + 1, : depth + 1], axis=-1)
+        return np.moveaxis(np.mgrid[: width + 1, : depth + 1], 0, -1)
+
+    def _axes(self) -> Array:
+        """Unit vectors along x, y and up in the world, as rows."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def load_desk(name_or_path: str | Path) -> Desk:

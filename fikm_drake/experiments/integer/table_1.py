@@ -83,7 +83,7 @@ def _figure(rules: IntegerRuleBase) -> Figure:
         axes.set_yticks([])
         axes.set_ylim(0, 1.15)
         axes.set_ylabel(joint.replace(" ", "\n"), rotation=0, ha="right", va="center")
-    rows[0].legend(ncols=3, fontsize=8, loc="upper left")
+    rows[0].legend(ncols=3, fontsize=7, loc="lower left")
     rows[-1].set_xlabel("singletons [°]")
     return figure
 

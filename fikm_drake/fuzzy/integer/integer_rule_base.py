@@ -65,8 +65,9 @@ class IntegerRuleBase:
             raise ValueError(
                 f"singletons must have shape (*{shape}, outputs), got {np.shape(singletons)}"
             )
-        if np.abs(table).max() > LARGEST:
-            raise ValueError(f"singletons must be at most {LARGEST}, got {np.abs(table).max()}")
+        for value in (int(table.min()), int(table.max())):
+            if abs(value) > LARGEST:
+                raise ValueError(f"singletons must be from {-LARGEST} to {LARGEST}, got {value}")
         least = table.min(axis=(0, 1))
         offsets = table - least
         for j in np.flatnonzero(offsets.max(axis=(0, 1)) > SPAN):
@@ -177,6 +178,6 @@ class IntegerRuleBase:
 def checked_integers(name: str, values: ArrayLike) -> Integers:
     """The values as a new array of 64-bit integers; ValueError, naming them, unless they are integers."""
     array = np.asarray(values)
-    if array.dtype.kind not in "iu" or (array.dtype.kind == "u" and array.dtype.itemsize == 8):
-        raise ValueError(f"{name} must be integers of up to 64 bits, got {array.dtype}")
+    if array.dtype.kind not in "iu" or not np.can_cast(array.dtype, np.int64):
+        raise ValueError(f"{name} must be integers that fit int64, got {array.dtype}")
     return array.astype(np.int64)
