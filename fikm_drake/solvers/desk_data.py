@@ -17,7 +17,7 @@ class DeskData:
 
     Args:
         points: x, y (k,2) [mm].
-        positions: joint positions there (k,n) [rad].
+        positions: joint positions there (k,n), without jumps by a full turn [rad].
 
     Raises:
         ValueError: the shapes do not fit, or a number is not finite.

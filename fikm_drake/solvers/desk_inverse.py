@@ -18,17 +18,20 @@ class DeskInverse:
     """Joint positions that bring an arm's tool to points of a desk, by `solve_batch`.
 
     Args:
-        arm: any arm.
+        arm: any arm of revolute joints.
         desk: the desk, in the arm's base frame; it is copied.
         initial_position: joint positions (n,) from which every point is searched for, so that
-            neighbouring points get neighbouring postures [rad or m].
+            neighbouring points get neighbouring postures [rad].
 
     Raises:
-        ValueError: see `Desk.validate`.
+        ValueError: a joint is prismatic, or see `Desk.validate`.
     """
 
     def __init__(self, arm: DhArm, desk: Desk, initial_position: ArrayLike) -> None:
         desk.validate()
+        for i, joint in enumerate(arm.table.joints, start=1):
+            if not joint.is_revolute:
+                raise ValueError(f"all joints must be revolute, joint {i} of {arm.name!r} is not")
         self.arm = arm
         self._desk = copy.deepcopy(desk)
         self._initial_position = np.array(initial_position, dtype=float)
@@ -45,7 +48,7 @@ class DeskInverse:
             points: x, y (…,2) [mm].
 
         Returns:
-            (…,n) [rad or m].
+            (…,n) [rad].
 
         Raises:
             ValueError: a point is out of reach; the message names it.

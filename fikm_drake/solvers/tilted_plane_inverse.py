@@ -59,7 +59,6 @@ def _link_lengths(table: DhTable) -> tuple[float, float, float]:
     if not (
         table.convention == "craig"
         and len(rows) == len(angles)
-        and all(joint.is_revolute for joint in table.joints)
         and np.allclose([(row.alpha, row.theta) for row in rows], angles, rtol=0, atol=1e-12)
         and not any((rows[0].a, rows[1].a, *(row.d for row in rows)))
     ):

@@ -5,6 +5,7 @@ import pytest
 
 import fikm_drake as fd
 from fikm_drake.experiments.integer import EXPERIMENTS, compiled, desk_paths
+from fikm_drake.experiments.integer.figure_4 import shared_singletons
 from fikm_drake.experiments.integer.many_joints import JOINTS, many_joints
 from fikm_drake.experiments.integer.table_1 import TABLE_1, labels_in_order
 from fikm_drake.experiments.integer.table_2 import operations
@@ -36,6 +37,16 @@ def test_labels_that_do_not_agree_show():
     assert labels_in_order(roll, paper) == paper
     roll[0, 0], roll[2, 2] = roll[2, 2], roll[0, 0]
     assert labels_in_order(roll, paper) == ("S ML MS", "ML M S", "M MS L")
+
+
+def test_five_shared_singletons_are_not_enough():
+    """Figure 4 taken literally; Table 1 has three labels of the pitch, five of the others."""
+    shared = shared_singletons(fd.IntegerFuzzyIk().rules.singletons)
+    assert [len(np.unique(shared[..., j])) for j in range(4)] == [3, 5, 5, 5]
+    own_max, own_mean, shared_max, shared_mean = (
+        cell.ours for cell in EXPERIMENTS["figure 4"]().cells
+    )
+    assert shared_max > 3 * own_max and shared_mean > 2 * own_mean
 
 
 @pytest.mark.parametrize(

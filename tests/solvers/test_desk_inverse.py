@@ -65,6 +65,14 @@ def test_another_geometry_is_refused(tojo):
         fd.TiltedPlaneInverse(fd.DhArm(table), tojo.desk)
 
 
+def test_prismatic_joints_are_refused(tojo):
+    table = tojo.arm.table
+    table.joints[2].type = "prismatic"
+    for make in (fd.TiltedPlaneInverse, lambda arm, desk: fd.DeskInverse(arm, desk, np.zeros(4))):
+        with pytest.raises(ValueError, match="joint 3 of 'tojo4dof'"):
+            make(fd.DhArm(table), tojo.desk)
+
+
 @pytest.mark.parametrize(
     ("name", "start"),
     [("puma560", [0.0, 0.5, -2.5, 0.0, 0.5, 0.0]), ("iiwa14", [0, 0.6, 0, -1.4, 0, 1.0, 0])],

@@ -1,6 +1,7 @@
 """Paper 5, Tojo & Morishita 2010: its tables, its traces, and past them (`fikm-drake reproduce integer`)."""
 
 from fikm_drake.experiments.integer.errors import arms, errors, integers, order
+from fikm_drake.experiments.integer.figure_4 import figure_4
 from fikm_drake.experiments.integer.table_1 import table_1
 from fikm_drake.experiments.integer.table_2 import export, table_2
 from fikm_drake.experiments.integer.traces import figure_7, figure_9, figure_11
@@ -8,6 +9,7 @@ from fikm_drake.experiments.report import Experiment
 
 EXPERIMENTS: dict[str, Experiment] = {
     "table 1": table_1,
+    "figure 4": figure_4,
     "figure 7": figure_7,
     "figure 9": figure_9,
     "figure 11": figure_11,

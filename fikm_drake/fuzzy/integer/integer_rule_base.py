@@ -76,15 +76,35 @@ class IntegerRuleBase:
                 f"got {offsets[..., j].max()}; choose a coarser unit"
             )
         table.flags.writeable = False
-        self.first = first
-        self.second = second
-        self.conjunction: Conjunction = conjunction
-        self.rounding: Rounding = rounding
+        self._first = first
+        self._second = second
+        self._conjunction: Conjunction = conjunction
+        self._rounding: Rounding = rounding
         self._singletons = table
         self._least = least
         self._offsets = offsets
         self._least_list: list[int] = least.tolist()
         self._rows: list[list[list[int]]] = offsets.tolist()
+
+    @property
+    def first(self) -> IntegerPartition:
+        """Memberships of the first input."""
+        return self._first
+
+    @property
+    def second(self) -> IntegerPartition:
+        """Memberships of the second input."""
+        return self._second
+
+    @property
+    def conjunction(self) -> Conjunction:
+        """AND of a rule."""
+        return self._conjunction
+
+    @property
+    def rounding(self) -> Rounding:
+        """Of the grades and of the outputs."""
+        return self._rounding
 
     @property
     def singletons(self) -> Integers:
@@ -104,12 +124,12 @@ class IntegerRuleBase:
     @property
     def size(self) -> int:
         """The number of rules, n1 n2."""
-        return len(self.first) * len(self.second)
+        return len(self._first) * len(self._second)
 
     def __repr__(self) -> str:
         return (
-            f"<{type(self).__name__} {len(self.first)} x {len(self.second)} rules, "
-            f"{self.num_outputs} outputs, {self.conjunction}, {self.rounding}>"
+            f"<{type(self).__name__} {len(self._first)} x {len(self._second)} rules, "
+            f"{self.num_outputs} outputs, {self._conjunction}, {self._rounding}>"
         )
 
     def infer(self, x: int, y: int) -> tuple[list[int], bool]:
@@ -127,20 +147,22 @@ class IntegerRuleBase:
             TypeError: an input is not an integer.
         """
         x, y = index(x), index(y)
-        i, a, b = self.first.locate(x, self.rounding)
-        j, c, d = self.second.locate(y, self.rounding)
-        if self.conjunction == "min":
+        i, a, b = self._first.locate(x, self._rounding)
+        j, c, d = self._second.locate(y, self._rounding)
+        if self._conjunction == "min":
             ac, ad, bc, bd = min(a, c), min(a, d), min(b, c), min(b, d)
         else:
             ac, ad, bc, bd = a * c, a * d, b * c, b * d
         total = ac + ad + bc + bd
-        half = total // 2 if self.rounding == "nearest" else 0
+        half = total // 2 if self._rounding == "nearest" else 0
         near, far = self._rows[i], self._rows[i + 1]
         outputs = [
             least + (ac * p + ad * q + bc * r + bd * s + half) // total
             for least, p, q, r, s in zip(self._least_list, near[j], near[j + 1], far[j], far[j + 1])
         ]
-        inside = self.first.low <= x <= self.first.high and self.second.low <= y <= self.second.high
+        inside = (
+            self._first.low <= x <= self._first.high and self._second.low <= y <= self._second.high
+        )
         return outputs, not inside
 
     def infer_batch(
@@ -159,19 +181,19 @@ class IntegerRuleBase:
             ValueError: the inputs are not integers or do not broadcast.
         """
         x, y = np.broadcast_arrays(checked_integers("x", x), checked_integers("y", y))
-        i, a, b = self.first.locate_array(x, self.rounding)
-        j, c, d = self.second.locate_array(y, self.rounding)
-        AND = np.minimum if self.conjunction == "min" else np.multiply
+        i, a, b = self._first.locate_array(x, self._rounding)
+        j, c, d = self._second.locate_array(y, self._rounding)
+        AND = np.minimum if self._conjunction == "min" else np.multiply
         corners = [(i, j, AND(a, c)), (i, j + 1, AND(a, d))]
         corners += [(i + 1, j, AND(b, c)), (i + 1, j + 1, AND(b, d))]
         total = np.asarray(sum(weight for _, _, weight in corners))[..., None]
         sums = np.zeros((*x.shape, self.num_outputs), dtype=np.int64)
         for row, column, weight in corners:
             sums += weight[..., None] * self._offsets[row, column]
-        if self.rounding == "nearest":
+        if self._rounding == "nearest":
             sums += total // 2
-        outside = (x < self.first.low) | (x > self.first.high)
-        outside |= (y < self.second.low) | (y > self.second.high)
+        outside = (x < self._first.low) | (x > self._first.high)
+        outside |= (y < self._second.low) | (y > self._second.high)
         return self._least + sums // total, outside
 
 
