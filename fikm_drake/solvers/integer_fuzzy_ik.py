@@ -57,7 +57,7 @@ class IntegerFuzzyIk:
     ) -> None:
         if not (isfinite(resolution) and resolution > 0.0):
             raise ValueError(f"resolution must be positive and finite [°], got {resolution!r}")
-        if len(labels) != 2:
+        if np.shape(labels) != (2,):
             raise ValueError(f"labels must be two numbers, of x and of y, got {labels!r}")
         self._resolution = float(resolution)
         first, second, singletons = (source or tojo_inverse()).singletons(

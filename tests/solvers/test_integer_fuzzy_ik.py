@@ -70,6 +70,8 @@ def test_to_c_tells_its_units(ik, tmp_path):
     ("options", "words"),
     [
         ({"labels": (3,)}, "labels must be two"),
+        ({"labels": 3}, "labels must be two.*got 3"),
+        ({"labels": (3.5, 3)}, "33 labels, got 3.5"),
         ({"labels": (3, 34)}, "33 labels, got 34"),
         ({"labels": (1, 3)}, "33 labels, got 1"),
         ({"conjunction": "max"}, "'max'"),

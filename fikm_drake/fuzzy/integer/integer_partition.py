@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
+from numbers import Integral
 from operator import index
 from typing import Literal
 
@@ -66,7 +67,7 @@ class IntegerPartition:
         Raises:
             ValueError: as of the constructor, or the range is too short for so many knots.
         """
-        if not 2 <= count <= MOST_LABELS:
+        if not isinstance(count, Integral) or not 2 <= count <= MOST_LABELS:
             raise ValueError(f"there must be 2 to {MOST_LABELS} labels, got {count!r}")
         return cls([int(knot) for knot in np.rint(np.linspace(low, high, count))])
 

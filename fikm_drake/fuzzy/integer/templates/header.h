@@ -8,9 +8,17 @@ $note
 
 #define ${NAME}_OUTPUTS $outputs
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Infers all outputs at (x, y). Returns 0, or 1 if (x, y) lies outside $x_low ... $x_high by
  * $y_low ... $y_high: the outputs are then those of the nearest point inside.
  */
 int ${name}_infer(int32_t x, int32_t y, int32_t outputs[${NAME}_OUTPUTS]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif
