@@ -104,6 +104,5 @@ def _compile(sources: list[Path], program: Path, *defines: str) -> bool:
 
 def _axes(rules: IntegerRuleBase, every: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     first, second = rules.first, rules.second
-    return np.arange(first.low, first.high + 1, every), np.arange(
-        second.low, second.high + 1, every
-    )
+    x = np.arange(first.low, first.high + 1, every)
+    return x, np.arange(second.low, second.high + 1, every)

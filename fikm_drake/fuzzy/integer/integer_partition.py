@@ -6,7 +6,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from numbers import Integral
 from operator import index
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ LIMIT = 32767
 Rounding = Literal["truncate", "nearest"]
 ROUNDINGS: tuple[Rounding, ...] = ("truncate", "nearest")
 Integers = NDArray[np.int64]
+Number = TypeVar("Number", int, Integers)
 
 
 class IntegerPartition:
@@ -107,22 +108,23 @@ class IntegerPartition:
         x = min(max(x, knots[0]), knots[-1])
         cell = bisect_right(knots, x, 1, self._last) - 1
         left = knots[cell]
-        width = knots[cell + 1] - left
-        if rounding == "nearest":
-            rise = (GRADE * (x - left) + width // 2) // width
-            return cell, GRADE - rise, rise
-        return cell, GRADE * (left + width - x) // width, GRADE * (x - left) // width
+        return cell, *_grades(x - left, knots[cell + 1] - left, rounding)
 
     def locate_array(self, x: Integers, rounding: Rounding) -> tuple[Integers, Integers, Integers]:
         """Does what `locate` does for every element of an array of integers, to the last bit."""
         knots = self._knots
         x = np.clip(x, knots[0], knots[-1])
         cell = np.searchsorted(knots[1:-1], x, side="right")
-        left, width = knots[cell], np.diff(knots)[cell]
-        if rounding == "nearest":
-            rise = (GRADE * (x - left) + width // 2) // width
-            return cell, GRADE - rise, rise
-        return cell, GRADE * (left + width - x) // width, GRADE * (x - left) // width
+        left = knots[cell]
+        return cell, *_grades(x - left, knots[cell + 1] - left, rounding)
+
+
+def _grades(offset: Number, width: Number, rounding: Rounding) -> tuple[Number, Number]:
+    """The falling and the rising grade at `offset` from the left end of a cell."""
+    if rounding == "nearest":
+        rise = (GRADE * offset + width // 2) // width
+        return GRADE - rise, rise
+    return GRADE * (width - offset) // width, GRADE * offset // width
 
 
 def check_choice(name: str, value: str, choices: tuple[str, ...]) -> None:
