@@ -64,7 +64,7 @@ def errors() -> Section:
         "position error at every whole millimetre",
         cells,
         notes,
-        {"error_maps": _maps(inverse)},
+        {"integer_error_maps": _maps(inverse)},
     )
 
 

@@ -59,7 +59,7 @@ def table_1() -> Section:
         "labels of the 36 singletons, figures 3 and 4",
         cells,
         notes,
-        {"figures_3_4": _figure(rules)},
+        {"integer_singletons": _figure(rules)},
     )
 
 

@@ -72,7 +72,7 @@ def _traced(key: str, title: str, points: Array) -> Section:
         f"{1000 * PERIOD:g} ms, the plant",
         "of the arm with a PD servo a joint in the Diagram.",
     ]
-    pictures = {key.replace(" ", "_"): _figure(traces, inverse)}
+    pictures = {f"integer_{key}".replace(" ", "_"): _figure(traces, inverse)}
     return Section(key, title, cells, notes, pictures)
 
 
