@@ -46,10 +46,10 @@ class Desk:
         """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m]."""
         return 1000 * (np.asarray(positions, dtype=float) - self.origin) @ self._axes().T
 
-    def grid(self) -> NDArray[np.int64]:
-        """Every point whose coordinates are whole millimetres (width + 1, depth + 1, 2)."""
+    def grid(self, every: int = 1) -> NDArray[np.int64]:
+        """Points at every whole millimetre, or every so many (nx, ny, 2)."""
         width, depth = self.size
-        return np.moveaxis(np.mgrid[: width + 1, : depth + 1], 0, -1)
+        return np.moveaxis(np.mgrid[: width + 1 : every, : depth + 1 : every], 0, -1)
 
     def _axes(self) -> Array:
         """Unit vectors along x, y and up in the world, as rows."""

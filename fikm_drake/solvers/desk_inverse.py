@@ -1,6 +1,7 @@
 """Exact joint positions for the points of a desk."""
 
 import copy
+from math import ceil, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,9 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.solve_batch import solve_batch
 
 Array = NDArray[np.float64]
+
+MOST_POINTS = 200_000
+"""About as many points of a large desk are fitted to."""
 
 
 class DeskInverse:
@@ -74,7 +78,7 @@ class DeskInverse:
             labels: memberships of x and of y, 2 to 33 each.
             conjunction: `min` or `product`, which counts for least squares only.
             least_squares: False: the joint positions at the peaks; True: those whose inference is
-                nearest to the joint positions at every whole millimetre.
+                nearest to the joint positions at every whole millimetre, of a large desk at fewer.
 
         Raises:
             ValueError: a point is out of reach, or the desk is too small for so many labels.
@@ -85,7 +89,8 @@ class DeskInverse:
         if not least_squares:
             peaks = np.stack(np.meshgrid(first.knots, second.knots, indexing="ij"), axis=-1)
             return first, second, self(peaks)
-        points = self._desk.grid().reshape(-1, 2)
+        every = ceil(sqrt(width * depth / MOST_POINTS))
+        points = self._desk.grid(every).reshape(-1, 2)
         return first, second, fit_singletons(first, second, points, self(points), conjunction)
 
 

@@ -32,6 +32,7 @@ def test_world_to_desk_is_its_inverse_with_the_height():
 def test_grid_has_401_by_301_points():
     grid = load_desk("tojo4dof").grid()
     assert grid.shape == (401, 301, 2) and grid.dtype.kind == "i"
+    np.testing.assert_array_equal(load_desk("tojo4dof").grid(100), grid[::100, ::100])
     assert grid[7, 3].tolist() == [7, 3] and grid[-1, -1].tolist() == [400, 300]
 
 

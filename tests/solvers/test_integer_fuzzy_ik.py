@@ -58,6 +58,18 @@ def test_least_squares_lowers_the_mean_angle_error():
     assert errors[1] < 0.7 * errors[0]
 
 
+def test_least_squares_on_a_large_desk():
+    """15 m by 10 m: of its 150 million points some 200 thousand do."""
+    large = fd.Desk(origin=[10.0, 4.0, 0.0], yaw=-np.pi / 2, size=[15000, 10000])
+    table = fd.load_arm("tojo4dof").table
+    for row in (*table.joints[2:], table.tool):
+        row.a *= 50
+    inverse = fd.TiltedPlaneInverse(fd.DhArm(table), large)
+    ik = fd.IntegerFuzzyIk(inverse, conjunction="product", least_squares=True)
+    exact = np.rad2deg(inverse([7500, 5000]))
+    np.testing.assert_allclose(np.array(ik.solve(7500, 5000)[0]) / 100, exact, atol=10)
+
+
 def test_to_c_tells_its_units(ik, tmp_path):
     source, header = ik.to_c(tmp_path / "tojo.c", shape="rule_loop")
     assert "Outputs: 4 joint angles in steps of 0.01 degrees." in header.read_text("utf-8")

@@ -26,5 +26,5 @@ def desk_errors(inverse: DeskInverse, points: ArrayLike, q: Array) -> tuple[Arra
 
 def grid_errors(ik: IntegerFuzzyIk, inverse: DeskInverse, *, every: int = 1) -> tuple[Array, Array]:
     """`desk_errors` on the whole desk at every whole millimetre, or every so many."""
-    points = inverse.desk.grid()[::every, ::every]
+    points = inverse.desk.grid(every)
     return desk_errors(inverse, points, ik.to_radians(ik.solve_batch(points)[0]))
