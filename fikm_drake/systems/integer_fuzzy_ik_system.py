@@ -1,5 +1,6 @@
 """The block of fuzzy inverse kinematics in integers: a position on a desk in, joint positions out."""
 
+import copy
 from enum import IntEnum
 from math import inf
 
@@ -47,7 +48,7 @@ class IntegerFuzzyIkSystem(LeafSystem):
 
     Args:
         ik: the inverse kinematics, in the coordinates of `desk`.
-        desk: where the desk lies in the world.
+        desk: where the desk lies in the world; it is copied.
         period: of the samples [s].
         height_tolerance: farther than this over or under the desk counts as outside [m].
 
@@ -66,7 +67,7 @@ class IntegerFuzzyIkSystem(LeafSystem):
         super().__init__()
         desk.validate()
         self._ik = ik
-        self._from_world = desk.from_world
+        self._from_world = copy.deepcopy(desk).from_world
         self._height_tolerance = 1000 * check_not_negative("height_tolerance", height_tolerance)
         x, y = ik.rules.first, ik.rules.second
         middle, _ = ik.solve((x.low + x.high) // 2, (y.low + y.high) // 2)

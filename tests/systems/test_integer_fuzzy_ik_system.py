@@ -91,6 +91,13 @@ def test_starts_in_the_middle_or_where_it_is_set(ik, drive):
         system.SetPositions(driver.context, [0.1, np.nan, 0.3, 0.4])
 
 
+def test_a_desk_that_is_moved_later_does_not_count(ik, drive):
+    desk = fd.load_desk("tojo4dof")
+    driver = drive(fd.IntegerFuzzyIkSystem(ik, desk))
+    desk.origin[0] += 1.0
+    assert after(driver, DESK.to_world([50, 60]))[1] == INSIDE
+
+
 def test_samples_at_its_period_in_a_simulator(ik):
     builder = DiagramBuilder()
     source = builder.AddSystem(ConstantVectorSource(DESK.to_world([10, 20])))
