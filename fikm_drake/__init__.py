@@ -22,6 +22,7 @@ from fikm_drake.diagrams.supervised_differential_ik import (
 )
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.desk import Desk, load_desk
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
@@ -43,13 +44,18 @@ from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
+from fikm_drake.solvers.desk_data import DeskData, load_desk_data
+from fikm_drake.solvers.desk_inverse import DeskInverse
+from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.solve_batch import solve_batch
+from fikm_drake.solvers.tilted_plane_inverse import TiltedPlaneInverse
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.detour_planner import DetourPlanner
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
+from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.last_finite import LastFinite
@@ -75,6 +81,9 @@ __all__ = [
     "DampedLeastSquares",
     "DetourPlanner",
     "DetourState",
+    "Desk",
+    "DeskData",
+    "DeskInverse",
     "DhArm",
     "DhJoint",
     "DhTable",
@@ -89,6 +98,9 @@ __all__ = [
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
+    "IntegerFuzzyIk",
+    "IntegerFuzzyIkStatus",
+    "IntegerFuzzyIkSystem",
     "JacobianTranspose",
     "JointIntegrator",
     "JointReference",
@@ -102,6 +114,7 @@ __all__ = [
     "StatusMonitor",
     "SupervisedDifferentialIk",
     "TaskError",
+    "TiltedPlaneInverse",
     "TrackingLog",
     "TrackingMetrics",
     "TrackingScenario",
@@ -109,6 +122,8 @@ __all__ = [
     "VariableGain",
     "generate_rule_base",
     "load_arm",
+    "load_desk",
+    "load_desk_data",
     "load_scenario",
     "plot_log",
     "simulate",

@@ -50,6 +50,13 @@ def test_wheel_holds_models_types_and_license_and_nothing_else(unzipped):
     assert tops == {"fikm_drake", f"fikm_drake-{fikm_drake.__version__}"}
 
 
+def test_wheel_holds_the_templates_of_the_c_export(unzipped):
+    templates = Path(fikm_drake.__file__).parent / "fuzzy" / "integer" / "templates"
+    names = {path.name for path in templates.iterdir()}
+    packed = unzipped / templates.relative_to(Path(fikm_drake.__file__).parents[1])
+    assert {path.name for path in packed.iterdir()} == names and len(names) == 5
+
+
 def test_metadata_asks_for_drake_and_numpy_only(unzipped):
     (metadata,) = unzipped.glob("*.dist-info/METADATA")
     required = re.findall(r"^Requires-Dist: (.*)$", metadata.read_text("utf-8"), re.MULTILINE)

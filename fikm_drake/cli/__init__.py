@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from fikm_drake.cli.benchmark import add_benchmark
 from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
+from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.run import add_run
@@ -36,6 +37,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    for add in (add_run, add_models, add_reproduce, add_benchmark):
+    for add in (add_run, add_models, add_reproduce, add_benchmark, add_export_c):
         add(commands)
     return parser

@@ -1,11 +1,12 @@
 """The papers that `fikm-drake reproduce` knows."""
 
-from fikm_drake.experiments import fikm, frmrc
+from fikm_drake.experiments import fikm, frmrc, integer
 from fikm_drake.experiments.report import Experiment
 
 PAPERS: dict[str, dict[str, Experiment]] = {
     "fikm": fikm.EXPERIMENTS,
     "frmrc": frmrc.EXPERIMENTS,
+    "integer": integer.EXPERIMENTS,
 }
 """Experiments of each paper by name."""
 

@@ -1,0 +1,73 @@
+"""A rectangle of a desk in front of an arm."""
+
+# No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+from dataclasses import dataclass, field
+from math import cos, isfinite, sin
+from numbers import Integral
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fikm_drake.resources import find_model, load_yaml
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Desk:
+    """A horizontal rectangle, with coordinates of its own in mm.
+
+    x runs to the right along the near edge, y away from the arm, both from the near left corner;
+    the height is over the desk.
+    """
+
+    origin: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """The near left corner in the arm's base frame, which is the world's where it is welded [m]."""
+    yaw: float = 0.0
+    """Angle of the near edge about the vertical [rad]; 0: it runs along the world's x."""
+    size: list[int] = field(default_factory=lambda: [400, 300])
+    """Width along x and depth along y [mm], integers."""
+
+    def validate(self) -> None:
+        """Raise ValueError, naming the bad value, unless this is a rectangle."""
+        if len(self.origin) != 3 or not all(map(isfinite, self.origin)):
+            raise ValueError(f"origin must be three finite numbers [m], got {self.origin}")
+        if not isfinite(self.yaw):
+            raise ValueError(f"yaw must be finite [rad], got {self.yaw!r}")
+        if len(self.size) != 2 or not all(isinstance(s, Integral) and s > 0 for s in self.size):
+            raise ValueError(f"size must be two positive integers [mm], got {self.size}")
+
+    def to_world(self, points: ArrayLike) -> Array:
+        """Points (…,2) of the desk [mm] in the world (…,3) [m]."""
+        return np.asarray(points, dtype=float) / 1000 @ self._axes()[:2] + self.origin
+
+    def from_world(self, positions: ArrayLike) -> Array:
+        """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m]."""
+        return 1000 * (np.asarray(positions, dtype=float) - self.origin) @ self._axes().T
+
+    def grid(self, every: int = 1) -> NDArray[np.int64]:
+        """Points at every whole millimetre, or every so many (nx, ny, 2)."""
+        width, depth = self.size
+        return np.moveaxis(np.mgrid[: width + 1 : every, : depth + 1 : every], 0, -1)
+
+    def _axes(self) -> Array:
+        """Unit vectors along x, y and up in the world, as rows."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def load_desk(name_or_path: str | Path) -> Desk:
+    """Load a desk by the name of one of our models or from a YAML file of your own.
+
+    Raises:
+        FileNotFoundError: there is no such file; the message lists ours.
+        ValueError: the file does not describe a desk; the message says what is wrong.
+    """
+    path = find_model(name_or_path, folder="desks", kind="desk")
+    desk = load_yaml(Desk, path, kind="desk")
+    try:
+        desk.validate()
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    return desk
