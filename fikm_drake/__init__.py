@@ -13,6 +13,15 @@ radians, times in seconds.
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
+from fikm_drake.fuzzy.mamdani import (
+    FuzzyRule,
+    Inference,
+    MamdaniConfig,
+    MamdaniSystem,
+    load_mamdani,
+)
+from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
@@ -62,14 +71,20 @@ __all__ = [
     "FuzzyIkConfig",
     "FuzzyIkController",
     "FuzzyMapping",
+    "FuzzyRule",
+    "FuzzyVariable",
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
+    "Gaussian",
+    "Inference",
     "JacobianTranspose",
     "JointIntegrator",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
+    "MamdaniConfig",
+    "MamdaniSystem",
     "PseudoInverse",
     "RuleBase",
     "SimulationStopped",
@@ -78,10 +93,13 @@ __all__ = [
     "TrackingLog",
     "TrackingMetrics",
     "TrackingScenario",
+    "Trapezoid",
+    "Triangle",
     "TriangularPartition",
     "VariableGain",
     "generate_rule_base",
     "load_arm",
+    "load_mamdani",
     "load_scenario",
     "plot_log",
     "simulate",
