@@ -47,11 +47,6 @@ class Conclusion:
         )
         self._defuzzify = DEFUZZIFY[config.defuzzification]
 
-    @property
-    def cost(self) -> int:
-        """Numbers that a point of a batch needs at a time, at most."""
-        return self._aggregate.samples.size
-
     def __call__(self, strengths: Array) -> tuple[Array, Array]:
         """The output and whether a rule fired.
 

@@ -45,28 +45,57 @@ def centroid(aggregate: Aggregate, strengths: Array) -> Array:
 def mean_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
     """The centre of where the aggregate is greatest; of several intervals, of all together.
 
-    Where it is greatest at points only, their mean. Exact but for a sum with Gaussians: the maximum
-    of concave pieces is between ends of tops or of cuts, and only these are looked at. A sum with
-    Gaussians is looked at on the grid too.
+    Where it is greatest at points only, their mean. Exact, but for a sum with Gaussians.
     """
-    ends = aggregate.stack.cuts(strengths if aggregate.cuts_off else np.ones(strengths.shape))
-    nodes = np.clip(np.concatenate(ends), *aggregate.range)
-    if aggregate.adds and aggregate.stack.has_gaussian:
+    level = strengths if aggregate.cuts_off else np.ones(strengths.shape)
+    lower, upper = aggregate.range
+    left, right = (np.minimum(np.maximum(end, lower), upper) for end in aggregate.stack.cuts(level))
+    if aggregate.adds:
+        return _top_of_sum(aggregate, strengths, np.concatenate([left, right]))
+    return _top_of_maximum(aggregate, strengths, left, right)
+
+
+def _top_of_maximum(aggregate: Aggregate, strengths: Array, left: Array, right: Array) -> Array:
+    """The top is where the strongest conclusions are cut off, or their cores."""
+    strongest = strengths >= np.maximum.reduce(strengths) * (1.0 - TIE)
+    upper = aggregate.range[1]
+    # The union of intervals: the k-th end from the left closes what the k-th start or, if that is
+    # further right, the end before has opened. The others are intervals of no width, out of the way.
+    starts = np.sort(np.where(strongest, left, upper), axis=0)
+    ends = np.sort(np.where(strongest, right, upper), axis=0)
+    starts[1:] = np.maximum(starts[1:], ends[:-1])
+    return _centre(aggregate, starts, ends - starts, left, strongest)
+
+
+def _top_of_sum(aggregate: Aggregate, strengths: Array, nodes: Array) -> Array:
+    """A sum of concave pieces is greatest between ends of cuts or of cores: the nodes.
+
+    A sum with Gaussians is looked at on the grid too.
+    """
+    if aggregate.stack.has_gaussian:
         grid = np.broadcast_to(aggregate.grid[:, None], (aggregate.grid.size, nodes.shape[1]))
         nodes = np.concatenate([nodes, grid])
     nodes.sort(axis=0)
-    middles = 0.5 * (nodes[1:] + nodes[:-1])
-    places = np.concatenate([nodes, middles])
+    widths = nodes[1:] - nodes[:-1]
+    places = np.concatenate([nodes, nodes[:-1] + 0.5 * widths])
     heights = aggregate(strengths, aggregate.stack.grades(places[None]))
-    greatest = heights >= heights.max(axis=0) * (1.0 - TIE)
-    # Between nodes the aggregate is convex: level if its middle is as high as its ends.
-    top, level = np.split(greatest, [len(nodes)])
-    widths = np.where(top[1:] & top[:-1] & level, np.diff(nodes, axis=0), 0.0)
-    length = widths.sum(axis=0)
-    is_point = length <= TIE * (aggregate.range[1] - aggregate.range[0])
-    points = np.where(top, nodes, 0.0).sum(axis=0) / top.sum(axis=0)
-    length[is_point] = 1.0
-    return np.where(is_point, points, (widths * middles).sum(axis=0) / length)
+    top = heights >= np.maximum.reduce(heights) * (1.0 - TIE)
+    # Between nodes the sum is convex: level if its middle is as high as its ends.
+    ends, middles = top[: len(nodes)], top[len(nodes) :]
+    return _centre(aggregate, nodes[:-1], widths * (ends[:-1] & ends[1:] & middles), nodes, ends)
+
+
+def _centre(
+    aggregate: Aggregate, starts: Array, widths: Array, points: Array, counted: NDArray[np.bool_]
+) -> Array:
+    """Centre of disjoint intervals; where all are mere points, the mean of the counted points."""
+    length = np.add.reduce(widths)
+    moment = np.add.reduce(widths * (starts + 0.5 * widths))
+    is_long = length > TIE * (aggregate.range[1] - aggregate.range[0])
+    if is_long.all():
+        return moment / length
+    mean = np.add.reduce(points * counted) / np.add.reduce(counted)
+    return np.where(is_long, moment / np.where(is_long, length, 1.0), mean)
 
 
 DEFUZZIFY: dict[str, Callable[[Aggregate, Array], Array]] = {
