@@ -17,20 +17,21 @@ Array = NDArray[np.float64]
 
 
 class MembershipStack:
-    """Memberships as arrays, one row each: a call costs the same for one as for ten."""
+    """Memberships as arrays, one row each: a call costs about the same for one as for ten."""
 
     def __init__(self, memberships: Sequence[Membership]) -> None:
         """Stacks valid memberships (n), at least one."""
-        self._gaussian = np.array([isinstance(m, Gaussian) for m in memberships])
-        corners = [m.corners for m in memberships if not isinstance(m, Gaussian)]
+        bells = [isinstance(shape, Gaussian) for shape in memberships]
+        self._bells, self._cornered = np.flatnonzero(bells), np.flatnonzero(np.logical_not(bells))
+        corners = [shape.corners for shape in memberships if not isinstance(shape, Gaussian)]
         self._corners = sloped(np.reshape(corners, (-1, 4)).T)
-        bells = [(m.mean, m.sigma) for m in memberships if isinstance(m, Gaussian)]
-        self._bells = np.reshape(bells, (-1, 2)).T
+        means = [(shape.mean, shape.sigma) for shape in memberships if isinstance(shape, Gaussian)]
+        self._means = np.reshape(means, (-1, 2)).T
 
     @property
     def has_gaussian(self) -> bool:
         """Whether one of them is a Gaussian; the others are linear between corners."""
-        return bool(self._bells.size)
+        return self._bells.size > 0
 
     def grades(self, x: Array) -> Array:
         """Grades of values.
@@ -42,16 +43,14 @@ class MembershipStack:
             Grades, shape (n, ...).
         """
         tail = (1,) * (x.ndim - 1)
+        corners = self._corners.reshape(4, -1, *tail)
         if not self.has_gaussian:
-            return trapezoid_grades(x, self._corners.reshape(4, -1, *tail))
-        x = np.broadcast_to(x, (self._gaussian.size, *x.shape[1:]))
-        grades = np.empty(x.shape)
-        grades[~self._gaussian] = trapezoid_grades(
-            x[~self._gaussian], self._corners.reshape(4, -1, *tail)
-        )
-        grades[self._gaussian] = gaussian_grades(
-            x[self._gaussian], self._bells.reshape(2, -1, *tail)
-        )
+            return trapezoid_grades(x, corners)
+        grades = np.empty((self._bells.size + self._cornered.size, *x.shape[1:]))
+        x = np.broadcast_to(x, grades.shape)
+        grades[self._cornered] = trapezoid_grades(x[self._cornered], corners)
+        means = self._means.reshape(2, -1, *tail)
+        grades[self._bells] = gaussian_grades(x[self._bells], means)
         return grades
 
     def cuts(self, level: Array) -> tuple[Array, Array]:
@@ -63,13 +62,15 @@ class MembershipStack:
         Returns:
             Left and right ends, each of shape (n, N); infinite for a Gaussian at level 0.
         """
-        left, right = np.empty(level.shape), np.empty(level.shape)
         first, top_left, top_right, last = self._corners[:, :, None]
-        rows = level[~self._gaussian]
-        left[~self._gaussian] = first + rows * (top_left - first)
-        right[~self._gaussian] = last - rows * (last - top_right)
-        mean, sigma = self._bells[:, :, None]
+        if not self.has_gaussian:
+            return first + level * (top_left - first), last - level * (last - top_right)
+        left, right = np.empty(level.shape), np.empty(level.shape)
+        cornered, bells = level[self._cornered], level[self._bells]
+        left[self._cornered] = first + cornered * (top_left - first)
+        right[self._cornered] = last - cornered * (last - top_right)
+        mean, sigma = self._means[:, :, None]
         with np.errstate(divide="ignore"):
-            reach = sigma * np.sqrt(-2.0 * np.log(level[self._gaussian]))
-        left[self._gaussian], right[self._gaussian] = mean - reach, mean + reach
+            reach = sigma * np.sqrt(-2.0 * np.log(bells))
+        left[self._bells], right[self._bells] = mean - reach, mean + reach
         return left, right

@@ -171,7 +171,7 @@ def trapezoid_grades(x: Array, corners: Array) -> Array:
     left, top_left, top_right, right = corners
     rising = (x - left) / (top_left - left)
     falling = (right - x) / (right - top_right)
-    return np.clip(np.minimum(rising, falling), 0.0, 1.0)
+    return np.maximum(np.minimum(np.minimum(rising, falling), 1.0), 0.0)
 
 
 def gaussian_grades(x: Array, parameters: Array) -> Array:

@@ -1,0 +1,77 @@
+"""The united conclusions of the rules, a membership over the range of an output."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.fuzzy.membership_stack import MembershipStack
+from fikm_drake.fuzzy.memberships import Membership
+
+Array = NDArray[np.float64]
+
+
+class Aggregate:
+    """Conclusions that strengths cut off or scale and that are then united.
+
+    Attributes:
+        range: lower and upper end of the output.
+        cuts_off: whether the implication is the minimum; else it is the product.
+        adds: whether the conclusions are added; else their maximum is taken.
+        stack: memberships of the conclusions (n).
+        cores: from where to where each has grade one, inside the range, shape (n, 2).
+        supports: from where to where each is not zero, inside the range, shape (n, 2).
+        grid: even samples of the range and all corners of the memberships, shape (K,).
+        samples: grades on the grid, shape (n, K).
+        weights: `integral_weights` of the grid, shape (2, K).
+        scaled: area and first moment of each membership on the grid, shape (2, n).
+    """
+
+    def __init__(
+        self,
+        shapes: Sequence[Membership],
+        range: tuple[float, float],
+        *,
+        cuts_off: bool,
+        adds: bool,
+        samples: int,
+    ) -> None:
+        """Prepares the conclusions; see the class. `samples` is the size of the even grid."""
+        self.range, self.cuts_off, self.adds = range, cuts_off, adds
+        self._imply = np.minimum if cuts_off else np.multiply
+        self._unite = np.add if adds else np.maximum
+        self.stack = MembershipStack(shapes)
+        self.cores = np.clip([shape.core for shape in shapes], *range)
+        self.supports = np.clip([shape.support for shape in shapes], *range)
+        corners = np.concatenate([self.cores, self.supports], axis=None)
+        self.grid = np.union1d(np.linspace(*range, samples), corners)
+        self.samples = self.stack.grades(self.grid[None])
+        self.weights = integral_weights(self.grid)
+        self.scaled = self.weights @ self.samples.T
+
+    def implied(self, strengths: Array, grades: Array) -> Array:
+        """Grades of the conclusions cut off or scaled; arguments that broadcast."""
+        return self._imply(strengths, grades)
+
+    def __call__(self, strengths: Array, grades: Array) -> Array:
+        """Heights of the aggregate, shape (K, N), of strengths (n, N) and grades (n, K, N or 1)."""
+        return self._unite.reduce(self.implied(strengths[:, None], grades), axis=0)
+
+
+def integral_weights(nodes: Array) -> Array:
+    """Weights of a function's values in its integral and in its first moment.
+
+    Args:
+        nodes: where the values are, along the first axis, shape (K, ...), not decreasing.
+
+    Returns:
+        Shape (2, K, ...); exact for functions that are linear between nodes.
+    """
+    left, right = nodes[:-1], nodes[1:]
+    width = right - left
+    weights = np.zeros((2, *nodes.shape))
+    weights[0, :-1] += width / 2.0
+    weights[0, 1:] += width / 2.0
+    weights[1, :-1] += width * (2.0 * left + right) / 6.0
+    weights[1, 1:] += width * (left + 2.0 * right) / 6.0
+    return weights
