@@ -41,6 +41,15 @@ class Geometry:
         """The middle of the limits (3,), relative angles [rad]."""
         return 0.5 * (np.array(self.lower) + np.array(self.upper))
 
+    def tool(self, relative: Array) -> Array:
+        """Tool points (2,N) [m] of relative angles (3,N) [rad], equations 1 and 2."""
+        angles, lengths = np.cumsum(relative, axis=0), np.array(self.lengths)
+        return np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)])
+
+    def error(self, relative: Array, target: Array) -> Array:
+        """Distances (N,) [m] of the tool from targets (2,N) [m] at relative angles (3,N) [rad]."""
+        return np.hypot(*(self.tool(relative) - target))
+
     def contains(self, relative: Array, tolerance: float) -> NDArray[np.bool_]:
         """Whether relative angles (3,…) [rad] are inside the limits; NaN is not."""
         inside = np.ones(relative.shape[1:], dtype=bool)

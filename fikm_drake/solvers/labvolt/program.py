@@ -42,15 +42,20 @@ class LabVoltProgram:
     Args:
         geometry: of the arm.
         solver: `slsqp` of NLopt, or `snopt`.
+        absolute: the paper's form, for comparison: variables are the absolute angles, so two of the
+            limits are linear constraints. It has more local minima.
 
     Raises:
         ValueError: an unknown solver, or one that this build of Drake lacks.
     """
 
-    def __init__(self, geometry: Geometry, *, solver: str = "slsqp") -> None:
+    def __init__(
+        self, geometry: Geometry, *, solver: str = "slsqp", absolute: bool = False
+    ) -> None:
         self._geometry = geometry
         self._solver, self._options = _solver(solver)
-        self._reach = _Program(geometry, posture=False)
+        self._absolute = absolute
+        self._reach = _Program(geometry, absolute=absolute)
         self._settle: _Program | None = None
 
     def reach(self, target: Array, start: Array) -> Array:
@@ -63,10 +68,13 @@ class LabVoltProgram:
         Returns:
             Relative angles (3,) inside the limits [rad].
         """
-        start = self._geometry.clip(start[:, None])[:, 0]
+        start = self._inside(start)
         if abs(start[1]) + abs(start[2]) < STRAIGHT:
             start[1] = BEND
-        return self._run(self._reach, start, target / self._geometry.reach)
+        if self._absolute:
+            angles = self._run(self._reach, np.cumsum(start), target / self._geometry.reach)
+            return self._inside(np.diff(angles, prepend=0.0))
+        return self._inside(self._run(self._reach, start, target / self._geometry.reach))
 
     def settle(self, target: Array, start: Array, wish: Array) -> Array:
         """Among the postures that reach a target, the one nearest to a wish by |q − wish|².
@@ -81,28 +89,38 @@ class LabVoltProgram:
         """
         if self._settle is None:
             self._settle = _Program(self._geometry, posture=True)
-        return self._run(self._settle, start, np.array([*(target / self._geometry.reach), *wish]))
+        parameters = np.array([*(target / self._geometry.reach), *wish])
+        return self._inside(self._run(self._settle, start, parameters))
 
     def _run(self, program: "_Program", start: Array, parameters: Array) -> Array:
         program.held.set_bounds(parameters, parameters)
-        result = self._solver.Solve(program.prog, np.array([*start, *parameters]), self._options)
-        q = result.get_x_val()[:3]
-        if not np.isfinite(q).all():  # SLSQP's, where its quadratic program breaks down
-            return start
-        return self._geometry.clip(q[:, None])[:, 0]
+        guess = np.array([*start, *parameters])
+        found = self._solver.Solve(program.prog, guess, self._options).get_x_val()[:3]
+        # SLSQP gives NaN where its quadratic program breaks down.
+        return found if np.isfinite(found).all() else start
+
+    def _inside(self, relative: Array) -> Array:
+        return self._geometry.clip(relative[:, None])[:, 0]
 
 
 class _Program:
     """Angles as decision variables, and parameters: the target and, with a posture, the wish."""
 
-    def __init__(self, geometry: Geometry, *, posture: bool) -> None:
+    def __init__(
+        self, geometry: Geometry, *, absolute: bool = False, posture: bool = False
+    ) -> None:
         self.prog = MathematicalProgram()
         q = self.prog.NewContinuousVariables(3, "q")
         parameters = self.prog.NewContinuousVariables(5 if posture else 2, "p")
-        self.prog.AddBoundingBoxConstraint(geometry.lower, geometry.upper, q)
         zeros = np.zeros(len(parameters))
         self.held: Any = self.prog.AddBoundingBoxConstraint(zeros, zeros, parameters).evaluator()
-        angles = np.cumsum(q)
+        if absolute:
+            angles = q
+            for i, relative in enumerate(np.diff(q, prepend=0.0)):
+                self.prog.AddLinearConstraint(relative, geometry.lower[i], geometry.upper[i])
+        else:
+            angles = np.cumsum(q)
+            self.prog.AddBoundingBoxConstraint(geometry.lower, geometry.upper, q)
         lengths = np.array(geometry.lengths) / geometry.reach
         dx = sum(a * cos(angle) for a, angle in zip(lengths, angles)) - parameters[0]
         dy = sum(a * sin(angle) for a, angle in zip(lengths, angles)) - parameters[1]

@@ -34,18 +34,24 @@ def candidates(geometry: Geometry, target: Array) -> Array:
     q = np.empty((3, 14, target.shape[1]))
     for i, angle in enumerate((geometry.lower[0], geometry.upper[0])):
         rest = target - first * np.array([[np.cos(angle)], [np.sin(angle)]])
-        direction, bend = two_links(second, third, rest[:, None], SIDES)
-        q[:, 2 * i : 2 * i + 2] = np.broadcast_arrays(angle, direction - angle, bend)
+        direction, bend = two_links(second, third, rest, SIDES)
+        q[0, 2 * i : 2 * i + 2], q[2, 2 * i : 2 * i + 2] = angle, bend
+        q[1, 2 * i : 2 * i + 2] = wrap(direction - angle)
     for i, angle in enumerate((geometry.lower[1], geometry.upper[1]), start=2):
         length, turn = chord(first, second, angle)
         direction, bend = two_links(length, third, target[:, None], SIDES)
         q[:, 2 * i : 2 * i + 2] = np.broadcast_arrays(direction - turn, angle, bend + turn - angle)
     for i, angle in enumerate((geometry.lower[2], geometry.upper[2], 0.0), start=4):
-        q[:, 2 * i : 2 * i + 2] = _posture(geometry, target, angle, SIDES)
+        q[:, 2 * i : 2 * i + 2] = _posture(geometry, target[:, None], angle, SIDES)
     return wrap(q)
 
 
-def widest_arc(geometry: Geometry, target: Array) -> tuple[Array, NDArray[np.bool_]]:
+def reachable(geometry: Geometry, target: Array) -> NDArray[np.bool_]:
+    """Whether points of the arm's plane (2,N) [m] can be reached (N,): exact."""
+    return geometry.contains(candidates(geometry, target), EDGE).any(axis=0)
+
+
+def widest_arc(geometry: Geometry, target: Array) -> Array:
     """The middle of the widest stretch of postures inside the limits.
 
     Args:
@@ -53,37 +59,52 @@ def widest_arc(geometry: Geometry, target: Array) -> tuple[Array, NDArray[np.boo
         target: points in the arm's plane (2,N) [m].
 
     Returns:
-        Relative angles (3,N) [rad], NaN where the point cannot be reached; whether it can (N,).
+        Relative angles (3,N) [rad], NaN where the point cannot be reached.
     """
     ends = candidates(geometry, target)
     feasible = geometry.contains(ends, EDGE)
+    lanes = np.arange(target.shape[1])
+    # A whole curve inside the limits, or one that touches them in a point: any candidate will do.
+    posture = ends[:, feasible.argmax(axis=0), lanes]
+    posture[:, ~feasible.any(axis=0)] = np.nan
+    cut = np.flatnonzero(feasible[:12].any(axis=0))
+    if cut.size:
+        q, width = _widest_middle(geometry, target[:, cut], ends[:, :12, cut], feasible[:12, cut])
+        posture[:, cut[width > 0.0]] = q[:, width > 0.0]
+    return geometry.clip(posture)
+
+
+def _widest_middle(
+    geometry: Geometry, target: Array, ends: Array, feasible: NDArray[np.bool_]
+) -> tuple[Array, Array]:
+    """Middles of the widest arcs (3,N), and their widths in t (N,); a width below 0: there is none."""
     widest_bend = _widest_bend(geometry, np.hypot(*target))
-    t = np.where(feasible[:12], _curve_angle(geometry, ends[:, :12], widest_bend), np.inf)
+    rows, lanes = np.nonzero(feasible)
+    most = int(feasible.sum(axis=0).max())
+    t = np.full((most + 1, target.shape[1]), np.inf)
+    t[feasible.cumsum(axis=0)[rows, lanes] - 1, lanes] = _curve_angle(
+        geometry, ends[:, rows, lanes], widest_bend[lanes]
+    )
     t.sort(axis=0)
-    after = np.roll(t, -1, axis=0)
-    last = np.maximum(np.isfinite(t).sum(axis=0) - 1, 0)
-    lanes = np.arange(len(last))
-    after[last, lanes] = t[0] + 2.0 * np.pi
-    with np.errstate(invalid="ignore"):
-        width, middle = after - t, 0.5 * (after + t)
-        side = np.where(np.cos(middle) >= 0.0, 1.0, -1.0)
-        q = wrap(_posture(geometry, target, widest_bend * np.sin(middle), side))
-    width[~geometry.contains(q, EDGE)] = -1.0
-    best = width.argmax(axis=0)
-    posture = q[:, best, lanes]
-    # A whole curve inside the limits, or one that touches them in a point.
-    whole = width[best, lanes] <= 0.0
-    posture[:, whole] = ends[:, feasible.argmax(axis=0), lanes][:, whole]
-    reachable = feasible.any(axis=0)
-    posture[:, ~reachable] = np.nan
-    return geometry.clip(posture), reachable
+    # After the last end comes the first again, a turn on.
+    t[feasible.sum(axis=0), np.arange(t.shape[1])] = t[0] + 2.0 * np.pi
+    middle = 0.5 * (t[1:] + t[:-1])
+    gaps, lanes = np.nonzero(np.isfinite(middle))
+    middle = middle[gaps, lanes]
+    side = np.where(np.cos(middle) >= 0.0, 1.0, -1.0)
+    q = np.full((3, most, t.shape[1]), np.nan)
+    bend = widest_bend[lanes] * np.sin(middle)
+    q[:, gaps, lanes] = wrap(_posture(geometry, target[:, lanes], bend, side))
+    width = np.where(geometry.contains(q, EDGE), t[1:] - t[:-1], -1.0)
+    best, lanes = width.argmax(axis=0), np.arange(t.shape[1])
+    return q[:, best, lanes], width[best, lanes]
 
 
 def _posture(geometry: Geometry, target: Array, bend: ArrayLike, side: Array) -> Array:
-    """Relative angles (3,K,N) for given θ_3 − θ_2 and sides of the elbow; not wrapped."""
+    """Relative angles (3,…) for given θ_3 − θ_2 and sides of the elbow; not wrapped."""
     first, second, third = geometry.lengths
     length, turn = chord(second, third, bend)
-    direction, elbow = two_links(first, length, target[:, None], side)
+    direction, elbow = two_links(first, length, target, side)
     return np.array(np.broadcast_arrays(direction, elbow - turn, bend))
 
 
@@ -97,7 +118,7 @@ def _widest_bend(geometry: Geometry, distance: Array) -> Array:
 
 
 def _curve_angle(geometry: Geometry, q: Array, widest_bend: Array) -> Array:
-    """t of postures (3,K,N), in [−π/2, 3π/2]."""
+    """t of postures (3,N), in [−π/2, 3π/2]."""
     _, second, third = geometry.lengths
     _, direction = chord(second, third, q[2])
     with np.errstate(invalid="ignore", divide="ignore"):

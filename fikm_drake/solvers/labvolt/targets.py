@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.solvers.batch_targets import FARTHEST
-from fikm_drake.solvers.labvolt.geometry import Geometry
+from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 
 Array = NDArray[np.float64]
 
@@ -64,3 +64,19 @@ def plane_targets(geometry: Geometry, targets: ArrayLike) -> PlaneTargets:
     yaw = np.where(valid, np.arctan2(y, x), 0.0)
     plane = np.array([np.hypot(x, y) - geometry.offset, z - geometry.height])
     return PlaneTargets(given, valid, yaw, plane)
+
+
+def random_targets(count: int, *, seed: int = 0) -> Array:
+    """Reachable points of the LabVolt 5250's plane, of postures uniform inside the limits.
+
+    Args:
+        count: how many, N.
+        seed: the same seed gives the same points.
+
+    Returns:
+        (N,2), from the shoulder [m].
+    """
+    geometry = labvolt()
+    rng = np.random.default_rng(seed)
+    postures = rng.uniform(geometry.lower, geometry.upper, (count, 3))
+    return geometry.tool(postures.T).T

@@ -26,10 +26,12 @@ def two_links(
     x, y = point
     inner, outer = np.asarray(inner), np.asarray(outer)
     with np.errstate(invalid="ignore", divide="ignore"):
-        cosine = (x * x + y * y - inner * inner - outer * outer) / (2.0 * inner * outer)
-        cosine = np.where(np.abs(cosine) <= 1.0 + EDGE, np.clip(cosine, -1.0, 1.0), np.nan)
-    bend = side * np.arccos(cosine)
-    return np.arctan2(y, x) - chord(inner, outer, bend)[1], bend
+        cosine = (x * x + y * y - (inner * inner + outer * outer)) / (2.0 * inner * outer)
+        cosine[np.abs(cosine) > 1.0 + EDGE] = np.nan
+        cosine = np.minimum(np.maximum(cosine, -1.0), 1.0)
+        sine = np.sqrt(1.0 - cosine * cosine)
+    turn = np.arctan2(outer * sine, inner + outer * cosine)
+    return np.arctan2(y, x) - side * turn, side * np.arccos(cosine)
 
 
 def chord(inner: ArrayLike, outer: ArrayLike, bend: ArrayLike) -> tuple[Array, Array]:

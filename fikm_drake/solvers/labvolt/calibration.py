@@ -1,0 +1,137 @@
+"""Calibration of the memberships that the paper's figures give no numbers for."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
+from fikm_drake.fuzzy.memberships import Triangle
+from fikm_drake.solvers.labvolt.fuzzy_starts import POSTURE, THETA_3, FuzzyStarts
+from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
+from fikm_drake.solvers.labvolt.program import LabVoltProgram
+from fikm_drake.solvers.labvolt.targets import random_targets
+from fikm_drake.solvers.labvolt.theta_3_search import theta_3_search
+
+Array = NDArray[np.float64]
+Loss = Callable[[MamdaniSystem, float], float]
+Progress = Callable[[float], None]
+FIRST_PEAKS = {
+    THETA_3: (-90.0, -70.0, -45.0, 0.0, 30.0, 70.0, 15.0),
+    POSTURE: (20.0, 45.0, 100.0, -40.0, 20.0, 90.0, -60.0, 0.0, 60.0),
+}
+"""Peaks of the outputs' memberships that the search starts from, in the order of the file [deg]."""
+HALF_WIDTH = {THETA_3: 30.0, POSTURE: 90.0}
+"""Of the outputs' triangles [deg]."""
+STEPS = (3.0, 25.0, 40.0)
+"""Standard deviation of a trial's change: least, first and greatest [deg]."""
+MOVED = 0.4
+"""Share of the peaks that a trial moves [-]."""
+REACHED = 1e-9
+"""A start is good if the SQP ends this near to the target [m]."""
+
+
+def calibrate(
+    name: str,
+    *,
+    targets: int = 600,
+    rounds: int = 300,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> tuple[MamdaniSystem, float]:
+    """Search the peaks of the outputs' memberships at random; what the solver needs decides.
+
+    For `labvolt_theta3` that is the mean number of guesses of θ_3, for `labvolt_posture` the share of
+    targets that the SQP misses, in relative angles (which count a hundred times) and in the paper's absolute
+    ones. Rules, inputs and the order of the peaks stay.
+
+    Args:
+        name: `labvolt_theta3` or `labvolt_posture`.
+        targets: how many, see `random_targets`.
+        rounds: trials.
+        seed: of targets and trials: the same seed gives the same memberships.
+        progress: called after each round with the fraction done.
+
+    Returns:
+        The calibrated system and its loss.
+
+    Raises:
+        ValueError: an unknown name, or a count that is not positive.
+    """
+    if name not in FIRST_PEAKS:
+        raise ValueError(f"name must be one of {tuple(FIRST_PEAKS)}, got {name!r}")
+    for count, value in (("targets", targets), ("rounds", rounds)):
+        if value < 1:
+            raise ValueError(f"{count} must be positive, got {value}")
+    make_loss = _tries if name == THETA_3 else _misses
+    loss = make_loss(labvolt(), np.ascontiguousarray(random_targets(targets, seed=seed).T))
+    config, rng = load_mamdani(name).config, np.random.default_rng(seed)
+    peaks, size = np.array(FIRST_PEAKS[name]), STEPS[1]
+    best = _with_peaks(config, peaks, HALF_WIDTH[name])
+    least = loss(best, np.inf)
+    for k in range(rounds):
+        change = size * rng.normal(size=len(peaks)) * (rng.random(len(peaks)) < MOVED)
+        trial = _in_order(config, peaks + change, FIRST_PEAKS[name])
+        system = _with_peaks(config, trial, HALF_WIDTH[name])
+        found = loss(system, least)
+        if found <= least:
+            best, least, peaks = system, found, trial
+            size = min(1.3 * size, STEPS[2])
+        else:
+            size = max(0.95 * size, STEPS[0])
+        if progress:
+            progress((k + 1) / rounds)
+    return best, least
+
+
+def _tries(geometry: Geometry, points: Array) -> Loss:
+    """Mean number of guesses of θ_3."""
+
+    def loss(system: MamdaniSystem, bound: float) -> float:
+        guess, _ = FuzzyStarts(theta_3=system).theta_3(points)
+        return float(theta_3_search(geometry, points, guess)[1].mean())
+
+    return loss
+
+
+def _misses(geometry: Geometry, points: Array) -> Loss:
+    """Targets that the SQP misses: a hundred for each in relative angles, one for each in absolute."""
+    programs = [(LabVoltProgram(geometry), 100), (LabVoltProgram(geometry, absolute=True), 1)]
+    hardest = list(range(points.shape[1]))
+
+    def loss(system: MamdaniSystem, bound: float) -> float:
+        starts = FuzzyStarts(posture=system).posture(points)
+        lost, missed = 0, set()
+        for program, weight in programs:
+            for i in hardest:
+                if lost > bound:
+                    break
+                q = program.reach(points[:, i], starts[:, i])
+                if geometry.error(q[:, None], points[:, i : i + 1])[0] > REACHED:
+                    lost += weight
+                    missed.add(i)
+        hardest.sort(key=lambda i: i not in missed)  # so that the next bad trial ends early
+        return float(lost)
+
+    return loss
+
+
+def _with_peaks(config: MamdaniConfig, peaks: Array, half_width: float) -> MamdaniSystem:
+    """A system whose outputs' memberships are triangles with these peaks, in the order of the file."""
+    values = iter(peaks.tolist())
+    for variable in config.outputs:
+        for label in variable.memberships:
+            peak = next(values)
+            variable.memberships[label] = Triangle(peak - half_width, peak, peak + half_width)
+    return MamdaniSystem(config)
+
+
+def _in_order(config: MamdaniConfig, peaks: Array, first: tuple[float, ...]) -> Array:
+    """The peaks of each output inside its range and in the order of the first ones."""
+    ordered, start = np.round(peaks, 1), 0
+    for variable in config.outputs:
+        own = slice(start, start + len(variable.memberships))
+        ranks = np.argsort(np.argsort(first[own]))
+        ordered[own] = np.sort(np.clip(ordered[own], variable.lower, variable.upper))[ranks]
+        start = own.stop
+    return ordered
