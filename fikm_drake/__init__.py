@@ -40,6 +40,7 @@ from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
+from fikm_drake.solvers import labvolt
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.solve_batch import solve_batch
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
@@ -47,6 +48,7 @@ from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
+from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
@@ -80,6 +82,7 @@ __all__ = [
     "Inference",
     "JacobianTranspose",
     "JointIntegrator",
+    "LabVoltIk",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
@@ -98,6 +101,7 @@ __all__ = [
     "TriangularPartition",
     "VariableGain",
     "generate_rule_base",
+    "labvolt",
     "load_arm",
     "load_mamdani",
     "load_scenario",

@@ -23,6 +23,8 @@ FIRST_PEAKS = {
 """Peaks of the outputs' memberships that the search starts from, in the order of the file [deg]."""
 HALF_WIDTH = {THETA_3: 30.0, POSTURE: 90.0}
 """Of the outputs' triangles [deg]."""
+FAR, RANGE = 0.5, (-120.0, 150.0)
+"""Share of the trials that are drawn anew, at first, and from where [deg]; the others change the best."""
 STEPS = (3.0, 25.0, 40.0)
 """Standard deviation of a trial's change: least, first and greatest [deg]."""
 MOVED = 0.4
@@ -70,8 +72,11 @@ def calibrate(
     best = _with_peaks(config, peaks, HALF_WIDTH[name])
     least = loss(best, np.inf)
     for k in range(rounds):
-        change = size * rng.normal(size=len(peaks)) * (rng.random(len(peaks)) < MOVED)
-        trial = _in_order(config, peaks + change, FIRST_PEAKS[name])
+        if k < rounds * FAR:
+            trial = rng.uniform(*RANGE, len(peaks))
+        else:
+            trial = peaks + size * rng.normal(size=len(peaks)) * (rng.random(len(peaks)) < MOVED)
+        trial = _in_order(config, trial, FIRST_PEAKS[name])
         system = _with_peaks(config, trial, HALF_WIDTH[name])
         found = loss(system, least)
         if found <= least:

@@ -53,7 +53,7 @@ class LabVoltProgram:
         self, geometry: Geometry, *, solver: str = "slsqp", absolute: bool = False
     ) -> None:
         self._geometry = geometry
-        self._solver, self._options = _solver(solver)
+        self._solver, self._options = make_solver(solver)
         self._absolute = absolute
         self._reach = _Program(geometry, absolute=absolute)
         self._settle: _Program | None = None
@@ -133,7 +133,12 @@ class _Program:
 
 
 @cache
-def _solver(name: str) -> tuple[SolverInterface, SolverOptions]:
+def make_solver(name: str) -> tuple[SolverInterface, SolverOptions]:
+    """A solver and its options.
+
+    Raises:
+        ValueError: an unknown solver, or one that this build of Drake lacks.
+    """
     if name not in SOLVERS:
         raise ValueError(f"solver must be one of {SOLVERS}, got {name!r}")
     solver = NloptSolver() if name == "slsqp" else SnoptSolver()
