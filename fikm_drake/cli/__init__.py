@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from fikm_drake.cli.benchmark import add_benchmark
+from fikm_drake.cli.calibrate import add_calibrate
 from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
@@ -36,6 +37,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    for add in (add_run, add_models, add_reproduce, add_benchmark):
+    for add in (add_run, add_models, add_reproduce, add_benchmark, add_calibrate):
         add(commands)
     return parser

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments.labvolt import benchmark as labvolt_benchmark
 
 Progress = Callable[[float], None]
 
@@ -31,6 +32,9 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "labvolt": Benchmark(
+        "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table
     ),
 }
 """Benchmarks by name."""

@@ -14,6 +14,7 @@ a target; what users give and get is absolute, one row a target.
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import forward_kinematics, to_absolute, to_relative
 from fikm_drake.solvers.labvolt.initial_guess import initial_guess
+from fikm_drake.solvers.labvolt.servo_counts import from_servo_counts, to_servo_counts
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import solve
 from fikm_drake.solvers.labvolt.targets import random_targets
@@ -25,9 +26,11 @@ __all__ = [
     "LabVoltSolution",
     "LabVoltStatus",
     "forward_kinematics",
+    "from_servo_counts",
     "initial_guess",
     "random_targets",
     "solve",
     "to_absolute",
     "to_relative",
+    "to_servo_counts",
 ]

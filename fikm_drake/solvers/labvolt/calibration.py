@@ -1,6 +1,7 @@
 """Calibration of the memberships that the paper's figures give no numbers for."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,10 @@ HALF_WIDTH = {THETA_3: 30.0, POSTURE: 90.0}
 """Of the outputs' triangles [deg]."""
 FAR, RANGE = 0.5, (-120.0, 150.0)
 """Share of the trials that are drawn anew, at first, and from where [deg]; the others change the best."""
+WHAT = {THETA_3: "guesses of θ_3, mean", POSTURE: "targets that the SQP misses"}
+"""What is made small."""
+APART = 10.0
+"""Neighbouring peaks are apart by this at least [deg]."""
 STEPS = (3.0, 25.0, 40.0)
 """Standard deviation of a trial's change: least, first and greatest [deg]."""
 MOVED = 0.4
@@ -33,29 +38,39 @@ REACHED = 1e-9
 """A start is good if the SQP ends this near to the target [m]."""
 
 
+@dataclass(frozen=True)
+class Calibration:
+    """A calibrated system."""
+
+    system: MamdaniSystem
+    """With the best peaks that were found."""
+    what: str
+    """What was made small."""
+    first: float
+    """That with the first peaks."""
+    last: float
+    """That with the best peaks."""
+
+
 def calibrate(
     name: str,
     *,
-    targets: int = 600,
-    rounds: int = 300,
+    targets: int = 5000,
+    rounds: int = 400,
     seed: int = 0,
     progress: Progress | None = None,
-) -> tuple[MamdaniSystem, float]:
+) -> Calibration:
     """Search the peaks of the outputs' memberships at random; what the solver needs decides.
 
-    For `labvolt_theta3` that is the mean number of guesses of θ_3, for `labvolt_posture` the share of
-    targets that the SQP misses, in relative angles (which count a hundred times) and in the paper's absolute
-    ones. Rules, inputs and the order of the peaks stay.
+    For `labvolt_theta3` that is the mean number of guesses of θ_3, for `labvolt_posture` the
+    number of targets that the SQP misses. Rules, inputs and the order of the peaks stay.
 
     Args:
         name: `labvolt_theta3` or `labvolt_posture`.
         targets: how many, see `random_targets`.
-        rounds: trials.
+        rounds: trials, at most; fewer if nothing is left to win.
         seed: of targets and trials: the same seed gives the same memberships.
         progress: called after each round with the fraction done.
-
-    Returns:
-        The calibrated system and its loss.
 
     Raises:
         ValueError: an unknown name, or a count that is not positive.
@@ -70,13 +85,13 @@ def calibrate(
     config, rng = load_mamdani(name).config, np.random.default_rng(seed)
     peaks, size = np.array(FIRST_PEAKS[name]), STEPS[1]
     best = _with_peaks(config, peaks, HALF_WIDTH[name])
-    least = loss(best, np.inf)
+    first = least = loss(best, np.inf)
     for k in range(rounds):
         if k < rounds * FAR:
             trial = rng.uniform(*RANGE, len(peaks))
         else:
             trial = peaks + size * rng.normal(size=len(peaks)) * (rng.random(len(peaks)) < MOVED)
-        trial = _in_order(config, trial, FIRST_PEAKS[name])
+        trial = _apart(config, trial, FIRST_PEAKS[name])
         system = _with_peaks(config, trial, HALF_WIDTH[name])
         found = loss(system, least)
         if found <= least:
@@ -86,7 +101,9 @@ def calibrate(
             size = max(0.95 * size, STEPS[0])
         if progress:
             progress((k + 1) / rounds)
-    return best, least
+        if least == 0.0:
+            break
+    return Calibration(best, WHAT[name], first, least)
 
 
 def _tries(geometry: Geometry, points: Array) -> Loss:
@@ -100,23 +117,22 @@ def _tries(geometry: Geometry, points: Array) -> Loss:
 
 
 def _misses(geometry: Geometry, points: Array) -> Loss:
-    """Targets that the SQP misses: a hundred for each in relative angles, one for each in absolute."""
-    programs = [(LabVoltProgram(geometry), 100), (LabVoltProgram(geometry, absolute=True), 1)]
+    """Targets that the SQP misses."""
+    program = LabVoltProgram(geometry)
     hardest = list(range(points.shape[1]))
 
     def loss(system: MamdaniSystem, bound: float) -> float:
         starts = FuzzyStarts(posture=system).posture(points)
-        lost, missed = 0, set()
-        for program, weight in programs:
-            for i in hardest:
-                if lost > bound:
+        missed: list[int] = []
+        for i in hardest:
+            q = program.reach(points[:, i], starts[:, i])
+            if geometry.error(q, points[:, i]) > REACHED:
+                missed.append(i)
+                if len(missed) > bound:
                     break
-                q = program.reach(points[:, i], starts[:, i])
-                if geometry.error(q[:, None], points[:, i : i + 1])[0] > REACHED:
-                    lost += weight
-                    missed.add(i)
-        hardest.sort(key=lambda i: i not in missed)  # so that the next bad trial ends early
-        return float(lost)
+        easy = set(hardest).difference(missed)
+        hardest[:] = [*missed, *(i for i in hardest if i in easy)]  # the next bad trial ends early
+        return float(len(missed))
 
     return loss
 
@@ -131,12 +147,14 @@ def _with_peaks(config: MamdaniConfig, peaks: Array, half_width: float) -> Mamda
     return MamdaniSystem(config)
 
 
-def _in_order(config: MamdaniConfig, peaks: Array, first: tuple[float, ...]) -> Array:
-    """The peaks of each output inside its range and in the order of the first ones."""
+def _apart(config: MamdaniConfig, peaks: Array, first: tuple[float, ...]) -> Array:
+    """The peaks of each output in the order of the first ones, apart, and inside its range."""
     ordered, start = np.round(peaks, 1), 0
     for variable in config.outputs:
         own = slice(start, start + len(variable.memberships))
         ranks = np.argsort(np.argsort(first[own]))
-        ordered[own] = np.sort(np.clip(ordered[own], variable.lower, variable.upper))[ranks]
+        room = APART * np.arange(len(ranks))
+        low = np.maximum.accumulate(np.sort(ordered[own]) - room)
+        ordered[own] = (np.clip(low, variable.lower, variable.upper - room[-1]) + room)[ranks]
         start = own.stop
     return ordered

@@ -8,9 +8,7 @@ from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.targets import plane_targets
 
 
-def initial_guess(
-    targets: ArrayLike, *, fuzzy: FuzzyStarts | None = None
-) -> NDArray[np.float64]:
+def initial_guess(targets: ArrayLike, *, fuzzy: FuzzyStarts | None = None) -> NDArray[np.float64]:
     """Joint positions near a solution, by fuzzy rules on the target: for Drake's `InverseKinematics`.
 
         ik = InverseKinematics(plant)  # of models/labvolt5250.urdf

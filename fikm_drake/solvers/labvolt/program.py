@@ -1,7 +1,8 @@
 """Equation 5 as a MathematicalProgram that is built once and solved for every target."""
 
 from functools import cache
-from typing import Any
+from math import atan2, hypot, inf
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from fikm_drake.solvers.labvolt.geometry import Geometry
 
 Array = NDArray[np.float64]
 SOLVERS = ("slsqp", "snopt")
-TOLERANCE = 1e-12
+TOLERANCE = 1e-10
 """Of the solvers' tests, on angles [rad] and lengths over the reach [-]."""
 MOST_EVALUATIONS = 300
 STRAIGHT = 0.02
@@ -32,9 +33,9 @@ class LabVoltProgram:
     """Sequential quadratic programming for the arm in its plane, equation 5 of the paper.
 
     In the relative angles θ_1, θ_2 − θ_1, θ_3 − θ_2 the limits are bounds, lengths are divided by the
-    reach, and the cost is symbolic, so that Drake evaluates it in C++. The target is two decision
-    variables that a bounding box holds; a new target moves the box, and the program is never
-    built again.
+    reach, and the cost is symbolic, so that Drake evaluates it in C++. A new target only moves bounds
+    and the program is never built again: the plane is turned until the target lies on the x axis, its
+    bearing moves the bounds of θ_1, and its distance is a decision variable that bounds hold.
 
     `is_success()` of either solver is true in local minima too: check what comes out by
     `forward_kinematics`, as `solve` does.
@@ -53,9 +54,10 @@ class LabVoltProgram:
         self, geometry: Geometry, *, solver: str = "slsqp", absolute: bool = False
     ) -> None:
         self._geometry = geometry
+        self._lower, self._upper = np.array(geometry.lower), np.array(geometry.upper)
         self._solver, self._options = make_solver(solver)
         self._absolute = absolute
-        self._reach = _Program(geometry, absolute=absolute)
+        self._reach = _reach_program(geometry, absolute)
         self._settle: _Program | None = None
 
     def reach(self, target: Array, start: Array) -> Array:
@@ -68,13 +70,19 @@ class LabVoltProgram:
         Returns:
             Relative angles (3,) inside the limits [rad].
         """
+        x, y = target.tolist()
         start = self._inside(start)
         if abs(start[1]) + abs(start[2]) < STRAIGHT:
             start[1] = BEND
-        if self._absolute:
-            angles = self._run(self._reach, np.cumsum(start), target / self._geometry.reach)
-            return self._inside(np.diff(angles, prepend=0.0))
-        return self._inside(self._run(self._reach, start, target / self._geometry.reach))
+        bearing, distance = atan2(y, x), hypot(x, y) / self._geometry.reach
+        if not self._absolute:
+            return self._run(self._reach, start, bearing, [distance])
+        turned = np.cumsum(start) - bearing
+        lower = [self._lower[0] - bearing, -inf, -inf, distance]
+        upper = [self._upper[0] - bearing, inf, inf, distance]
+        self._reach.box.set_bounds(lower, upper)
+        found = self._solve(self._reach, np.array([*turned, distance])) + bearing
+        return self._inside(np.diff(found, prepend=0.0))
 
     def settle(self, target: Array, start: Array, wish: Array) -> Array:
         """Among the postures that reach a target, the one nearest to a wish by |q − wish|².
@@ -88,48 +96,73 @@ class LabVoltProgram:
             Relative angles (3,) inside the limits [rad].
         """
         if self._settle is None:
-            self._settle = _Program(self._geometry, posture=True)
-        parameters = np.array([*(target / self._geometry.reach), *wish])
-        return self._inside(self._run(self._settle, start, parameters))
+            self._settle = _settle_program(self._geometry)
+        x, y = target.tolist()
+        bearing, distance = atan2(y, x), hypot(x, y) / self._geometry.reach
+        parameters = [distance, wish[0] - bearing, wish[1], wish[2]]
+        return self._run(self._settle, self._inside(start), bearing, parameters)
 
-    def _run(self, program: "_Program", start: Array, parameters: Array) -> Array:
-        program.held.set_bounds(parameters, parameters)
+    def _run(
+        self, program: "_Program", start: Array, bearing: float, parameters: list[float]
+    ) -> Array:
+        lower, upper = (np.array([*limit, *parameters]) for limit in (self._lower, self._upper))
         guess = np.array([*start, *parameters])
-        found = self._solver.Solve(program.prog, guess, self._options).get_x_val()[:3]
-        # SLSQP gives NaN where its quadratic program breaks down.
-        return found if np.isfinite(found).all() else start
+        for vector in (lower, upper, guess):
+            vector[0] -= bearing
+        program.box.set_bounds(lower, upper)
+        found = self._solve(program, guess)
+        found[0] += bearing
+        return self._inside(found)
+
+    def _solve(self, program: "_Program", guess: Array) -> Array:
+        """The three angles; those of the guess where SLSQP's quadratic program breaks down to NaN."""
+        found = self._solver.Solve(program.prog, guess, self._options).get_x_val()
+        return (found if np.isfinite(found).all() else guess)[:3].copy()
 
     def _inside(self, relative: Array) -> Array:
-        return self._geometry.clip(relative[:, None])[:, 0]
+        return np.minimum(np.maximum(relative, self._lower), self._upper)
 
 
-class _Program:
-    """Angles as decision variables, and parameters: the target and, with a posture, the wish."""
+class _Program(NamedTuple):
+    prog: MathematicalProgram
+    box: Any
+    """Bounds of all decision variables: three angles, then the parameters, which it holds."""
 
-    def __init__(
-        self, geometry: Geometry, *, absolute: bool = False, posture: bool = False
-    ) -> None:
-        self.prog = MathematicalProgram()
-        q = self.prog.NewContinuousVariables(3, "q")
-        parameters = self.prog.NewContinuousVariables(5 if posture else 2, "p")
-        zeros = np.zeros(len(parameters))
-        self.held: Any = self.prog.AddBoundingBoxConstraint(zeros, zeros, parameters).evaluator()
-        if absolute:
-            angles = q
-            for i, relative in enumerate(np.diff(q, prepend=0.0)):
-                self.prog.AddLinearConstraint(relative, geometry.lower[i], geometry.upper[i])
-        else:
-            angles = np.cumsum(q)
-            self.prog.AddBoundingBoxConstraint(geometry.lower, geometry.upper, q)
-        lengths = np.array(geometry.lengths) / geometry.reach
-        dx = sum(a * cos(angle) for a, angle in zip(lengths, angles)) - parameters[0]
-        dy = sum(a * sin(angle) for a, angle in zip(lengths, angles)) - parameters[1]
-        if posture:
-            self.prog.AddConstraint(dx == 0.0)
-            self.prog.AddConstraint(dy == 0.0)
-            self.prog.AddCost(((q - parameters[2:]) ** 2).sum())
-        else:
-            self.prog.AddCost(dx**2 + dy**2)
+
+def _reach_program(geometry: Geometry, absolute: bool) -> _Program:
+    program, q, (distance,) = _variables(1)
+    dx, dy = _miss(geometry, q if absolute else np.cumsum(q), distance)
+    if absolute:
+        for i in (1, 2):
+            bend = q[i] - q[i - 1]
+            program.prog.AddLinearConstraint(bend, geometry.lower[i], geometry.upper[i])
+    program.prog.AddCost(dx**2 + dy**2)
+    return program
+
+
+def _settle_program(geometry: Geometry) -> _Program:
+    program, q, (distance, *wish) = _variables(4)
+    dx, dy = _miss(geometry, np.cumsum(q), distance)
+    program.prog.AddConstraint(dx == 0.0)
+    program.prog.AddConstraint(dy == 0.0)
+    program.prog.AddCost(((q - wish) ** 2).sum())
+    return program
+
+
+def _variables(parameters: int) -> tuple[_Program, Any, Any]:
+    """A program with three angles and some parameters."""
+    prog = MathematicalProgram()
+    x = prog.NewContinuousVariables(3 + parameters, "x")
+    zeros = np.zeros(len(x))
+    box = prog.AddBoundingBoxConstraint(zeros, zeros, x).evaluator()
+    return _Program(prog, box), x[:3], x[3:]
+
+
+def _miss(geometry: Geometry, angles: Any, distance: Any) -> tuple[Any, Any]:
+    """The tool minus a target on the x axis, over the reach."""
+    lengths = np.array(geometry.lengths) / geometry.reach
+    dx = sum(a * cos(angle) for a, angle in zip(lengths, angles)) - distance
+    return dx, sum(a * sin(angle) for a, angle in zip(lengths, angles))
 
 
 @cache

@@ -1,5 +1,6 @@
 """Inverse kinematics of the LabVolt 5250: the paper's methods and ours."""
 
+from collections.abc import Iterator
 from math import isfinite
 
 import numpy as np
@@ -18,6 +19,8 @@ TOLERANCE = 1e-9
 """Within this a target is reached [m]."""
 EDGE = 1e-12
 """Out of reach by less than this counts as on the edge of it [m]."""
+CHUNK = 4096
+"""Targets whose closed form is computed together."""
 MIDDLE = "middle"
 
 
@@ -77,15 +80,16 @@ def solve(
     count = len(given.valid)
     q = np.repeat(geometry.middle[:, None], count, axis=1)
     status = np.where(given.valid, LabVoltStatus.NOT_SOLVED.value, LabVoltStatus.INVALID.value)
+    error = np.full(count, np.nan)
     tries = np.zeros(count, dtype=int)
     near, distance = given.plane.copy(), np.where(given.valid, 0.0, np.nan)
     exact = np.full((3, count), np.nan)
-    if given.valid.any():
-        exact[:, given.valid] = widest_arc(geometry, given.plane[:, given.valid])
+    for chunk in _chunks(np.flatnonzero(given.valid)):
+        exact[:, chunk] = widest_arc(geometry, given.plane[:, chunk])
     far = np.flatnonzero(given.valid & np.isnan(exact[0]))
     if far.size:
         q[:, far], distance[far] = nearest(geometry, given.plane[:, far])
-        exact[:, far], near[:, far] = q[:, far], geometry.tool(q[:, far])
+        exact[:, far], near[:, far], error[far] = q[:, far], geometry.tool(q[:, far]), distance[far]
         status[far[distance[far] > EDGE]] = LabVoltStatus.UNREACHABLE
     goals = Goals(given.plane, exact, wishes)
     for k, way in enumerate(METHODS[method]):
@@ -96,10 +100,11 @@ def solve(
         found, runs = way(ways, some)
         tries[left] += runs
         lost = np.isnan(found[0])
-        q[:, left] = np.where(lost, q[:, left], found) if lost.any() else found
-        done = left[geometry.error(found, some.points) <= tolerance]  # NaN is not
+        if lost.any():
+            found = np.where(lost, q[:, left], found)
+        q[:, left], error[left] = found, geometry.error(found, some.points)
+        done = left[error[left] <= tolerance]
         status[done] = LabVoltStatus.FELL_BACK if k else LabVoltStatus.OK
-    error = geometry.error(q, given.plane)
     success = (status == LabVoltStatus.OK) | (status == LabVoltStatus.FELL_BACK)
     return LabVoltSolution(
         to_absolute(q.T),
@@ -111,6 +116,12 @@ def solve(
         given.to_space(geometry, near),
         distance,
     )
+
+
+def _chunks(lanes: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
+    """Parts of some lanes whose arrays stay in the processor's cache."""
+    for start in range(0, len(lanes), CHUNK):
+        yield lanes[start : start + CHUNK]
 
 
 def _wishes(

@@ -42,9 +42,7 @@ def theta_3_search(
     return q, tries
 
 
-def _postures(
-    geometry: Geometry, target: Array, theta_3: Array
-) -> tuple[Array, NDArray[np.bool_]]:
+def _postures(geometry: Geometry, target: Array, theta_3: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Relative angles (3,N) with the elbow up, else down, and whether they are inside the limits."""
     first, second, third = geometry.lengths
     wrist = target - third * np.array([np.cos(theta_3), np.sin(theta_3)])
