@@ -1,6 +1,7 @@
 """Equation 5 as a MathematicalProgram that is built once and solved for every target."""
 
 from functools import cache
+from itertools import accumulate
 from math import atan2, hypot, inf
 from typing import Any, NamedTuple
 
@@ -19,8 +20,8 @@ from fikm_drake.solvers.labvolt.geometry import Geometry
 
 Array = NDArray[np.float64]
 SOLVERS = ("slsqp", "snopt")
-TOLERANCE = 1e-10
-"""Of the solvers' tests, on angles [rad] and lengths over the reach [-]."""
+TOLERANCE, FEASIBILITY = 1e-10, 1e-12
+"""Of the solvers' tests, on angles [rad] and gradients [-]; on constraints, lengths over the reach [-]."""
 MOST_EVALUATIONS = 300
 STRAIGHT = 0.02
 """An arm bent by less than this [rad] counts as straight: no step is downhill from there to a target
@@ -131,7 +132,7 @@ class _Program(NamedTuple):
 
 def _reach_program(geometry: Geometry, absolute: bool) -> _Program:
     program, q, (distance,) = _variables(1)
-    dx, dy = _miss(geometry, q if absolute else np.cumsum(q), distance)
+    dx, dy = _miss(geometry, q if absolute else list(accumulate(q)), distance)
     if absolute:
         for i in (1, 2):
             bend = q[i] - q[i - 1]
@@ -142,10 +143,10 @@ def _reach_program(geometry: Geometry, absolute: bool) -> _Program:
 
 def _settle_program(geometry: Geometry) -> _Program:
     program, q, (distance, *wish) = _variables(4)
-    dx, dy = _miss(geometry, np.cumsum(q), distance)
+    dx, dy = _miss(geometry, list(accumulate(q)), distance)
     program.prog.AddConstraint(dx == 0.0)
     program.prog.AddConstraint(dy == 0.0)
-    program.prog.AddCost(((q - wish) ** 2).sum())
+    program.prog.AddCost(sum((a - b) ** 2 for a, b in zip(q, wish)))
     return program
 
 
@@ -181,13 +182,11 @@ def make_solver(name: str) -> tuple[SolverInterface, SolverOptions]:
     if name == "slsqp":
         options.SetOption(key, NloptSolver.AlgorithmName(), "LD_SLSQP")
         options.SetOption(key, NloptSolver.MaxEvalName(), MOST_EVALUATIONS)
-        for tolerance in (
-            NloptSolver.XAbsoluteToleranceName(),
-            NloptSolver.XRelativeToleranceName(),
-            NloptSolver.ConstraintToleranceName(),
-        ):
-            options.SetOption(key, tolerance, TOLERANCE)
+        options.SetOption(key, NloptSolver.XAbsoluteToleranceName(), TOLERANCE)
+        options.SetOption(key, NloptSolver.XRelativeToleranceName(), TOLERANCE)
+        options.SetOption(key, NloptSolver.ConstraintToleranceName(), FEASIBILITY)
     else:
-        for kind in ("Major optimality", "Major feasibility", "Minor feasibility"):
-            options.SetOption(key, f"{kind} tolerance", TOLERANCE)
+        options.SetOption(key, "Major optimality tolerance", TOLERANCE)
+        options.SetOption(key, "Major feasibility tolerance", FEASIBILITY)
+        options.SetOption(key, "Minor feasibility tolerance", FEASIBILITY)
     return solver, options

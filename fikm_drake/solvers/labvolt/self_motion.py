@@ -95,7 +95,8 @@ def _widest_middle(
     q = np.full((3, most, t.shape[1]), np.nan)
     bend = widest_bend[lanes] * np.sin(middle)
     q[:, gaps, lanes] = wrap(_posture(geometry, target[:, lanes], bend, side))
-    width = np.where(geometry.contains(q, EDGE), t[1:] - t[:-1], -1.0)
+    with np.errstate(invalid="ignore"):
+        width = np.where(geometry.contains(q, EDGE), t[1:] - t[:-1], -1.0)
     best, lanes = width.argmax(axis=0), np.arange(t.shape[1])
     return q[:, best, lanes], width[best, lanes]
 

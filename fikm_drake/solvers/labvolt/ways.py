@@ -94,10 +94,14 @@ class Ways:
         return q, np.ones(q.shape[1], dtype=int)
 
     def _settled(self, point: Array, q: Array, wish: Array) -> Array:
-        settled = self.program.settle(point, q, wish)
-        error = self.geometry.error(settled[:, None], point[:, None])[0]
-        nearer = np.sum((settled - wish) ** 2) < np.sum((q - wish) ** 2)
-        return settled if error <= self.tolerance and nearer else q
+        """The nearest to a wish of what SQP finds from `q` and from the wish itself."""
+        best = q
+        for start in (q, self.program.reach(point, wish)):
+            found = self.program.settle(point, start, wish)
+            nearer = np.sum((found - wish) ** 2) < np.sum((best - wish) ** 2)
+            if nearer and self.geometry.error(found, point) <= self.tolerance:
+                best = found
+        return best
 
 
 Way = Callable[[Ways, Goals], Found]
