@@ -17,8 +17,8 @@ from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import MODEL
 from fikm_drake.solvers.labvolt.program import make_solver
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
-from fikm_drake.solvers.labvolt.solve import TOLERANCE
-from fikm_drake.systems.checks import check_period, check_positive
+from fikm_drake.solvers.labvolt.solve import TOLERANCE, check_tolerance
+from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ class LabVoltIk(LeafSystem):
         start = arm.default_position if initial_position is None else initial_position
         start = check_position(start, self._lower, self._upper)
         self._warm_start = warm_start
-        self._tolerance = check_positive("tolerance", tolerance)
+        self._tolerance = check_tolerance(tolerance)
         make_solver(solver)  # or ValueError
         self._solver, self._fuzzy = solver, fuzzy
         target = self.DeclareVectorInputPort("target", 3)

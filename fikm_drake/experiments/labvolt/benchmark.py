@@ -27,7 +27,7 @@ from fikm_drake.systems.labvolt_ik import LabVoltIk
 Array = NDArray[np.float64]
 REACHED = 1e-6
 """Counts as solved, for the peers' sake [m]; ours is within 1e-9."""
-BATCH, SINGLE = 20_000, 100
+BATCH, SINGLE = 20_000, 200
 """Targets of a round: of the closed form, and of the solvers that take one at a time."""
 STEPS = 1000
 """Cycles of the path."""

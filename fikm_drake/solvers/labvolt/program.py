@@ -106,12 +106,12 @@ class LabVoltProgram:
     def _run(
         self, program: "_Program", start: Array, bearing: float, parameters: list[float]
     ) -> Array:
-        lower, upper = (np.array([*limit, *parameters]) for limit in (self._lower, self._upper))
-        guess = np.array([*start, *parameters])
-        for vector in (lower, upper, guess):
-            vector[0] -= bearing
-        program.box.set_bounds(lower, upper)
-        found = self._solve(program, guess)
+        box = np.empty((3, 3 + len(parameters)))  # bounds and the guess
+        box[0, :3], box[1, :3], box[2, :3] = self._lower, self._upper, start
+        box[:, 0] -= bearing
+        box[:, 3:] = parameters
+        program.box.set_bounds(box[0], box[1])
+        found = self._solve(program, box[2])
         found[0] += bearing
         return self._inside(found)
 

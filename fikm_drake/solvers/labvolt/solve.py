@@ -70,8 +70,7 @@ def solve(
     """
     if method not in METHODS:
         raise ValueError(f"method must be one of {tuple(METHODS)}, got {method!r}")
-    if not (isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"tolerance must be positive and finite [m], got {tolerance!r}")
+    check_tolerance(tolerance)
     geometry = labvolt()
     given = plane_targets(geometry, targets)
     wishes = _wishes(geometry, posture, len(given.given), method)
@@ -116,6 +115,13 @@ def solve(
         given.to_space(geometry, near),
         distance,
     )
+
+
+def check_tolerance(tolerance: float) -> float:
+    """The tolerance [m]; ValueError unless it is positive and finite."""
+    if not (isfinite(tolerance) and tolerance > 0.0):
+        raise ValueError(f"tolerance must be positive and finite [m], got {tolerance!r}")
+    return tolerance
 
 
 def _chunks(lanes: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
