@@ -16,7 +16,11 @@ def add_benchmark(commands: "argparse._SubParsersAction") -> None:
         parser = what.add_parser(name, help=entry.help)
         count, default = entry.count, entry.default
         parser.add_argument(
-            f"--{count}", type=positive_count, default=default, dest="count", help=f"how many ({default})"
+            f"--{count}",
+            type=positive_count,
+            default=default,
+            dest="count",
+            help=f"how many ({default})",
         )
         parser.set_defaults(run=_run, entry=entry)
 

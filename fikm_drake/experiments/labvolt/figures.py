@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from fikm_drake.experiments.labvolt.runs import FEW, MANY, RANDOM_START, few, many, targets
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.nearest import border_arcs
+from fikm_drake.solvers.labvolt.self_motion import widest_arc
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
 
 BASIC = ("analytic", "hybrid_analytic", RANDOM_START, "hybrid_sqp")
@@ -24,22 +24,23 @@ def figure_5() -> Section:
     distance = np.hypot(*points.T)
     figure = Figure(figsize=(6, 6), layout="constrained")
     axes = figure.subplots()
+    _draw_region(axes)
     axes.plot(*(1e3 * points.T), ".", markersize=4, label=f"{FEW} targets")
-    _draw_border(axes)
     axes.plot(0, 0, "k+", markersize=12, label="shoulder")
     axes.set_aspect("equal")
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
     axes.grid(alpha=0.3)
-    axes.legend(loc="lower right")
+    axes.legend(loc="lower left")
     solution = solve(points)
     cells = [
-        Cell("targets", FEW, len(points), len(points) == FEW),
-        Cell("of these reachable", FEW, int(solution.success.sum()), bool(solution.success.all())),
+        Cell("targets", 500, len(points)),
+        Cell("of these reachable", 500, int(solution.success.sum()), bool(solution.success.all())),
         Cell("nearest to the shoulder [mm]", None, float(1e3 * distance.min())),
         Cell("farthest [mm]", None, float(1e3 * distance.max())),
     ]
-    return Section("figure 5", "random targets", cells, pictures={"figure_5": figure})
+    notes = ["The shaded region is all that the arm reaches, by the closed form."]
+    return Section("figure 5", "random targets", cells, notes, {"figure_5": figure})
 
 
 def figure_6() -> Section:
@@ -89,15 +90,14 @@ def figure_9() -> Section:
     )
 
 
-def _draw_border(axes: Axes) -> None:
-    """The arcs that the border of the reachable region is made of."""
-    arcs = border_arcs(labvolt())
-    turn = np.linspace(0.0, 1.0, 200)
-    for k in range(len(arcs.joint)):
-        angle = arcs.start[k] + turn * arcs.span[k]
-        x, y = arcs.centre[0, k] + arcs.radius[k] * np.array([np.cos(angle), np.sin(angle)])
-        label = "arcs that bound the reachable region" if k == 0 else None
-        axes.plot(1e3 * x, 1e3 * y, color="tab:orange", linewidth=0.8, label=label)
+def _draw_region(axes: Axes) -> None:
+    """What the arm reaches, by the closed form on a grid."""
+    side = np.linspace(-800.0, 800.0, 321)
+    x, y = np.meshgrid(side, side)
+    reached = ~np.isnan(widest_arc(labvolt(), 1e-3 * np.array([x.ravel(), y.ravel()]))[0])
+    axes.contourf(
+        x, y, reached.reshape(x.shape), levels=[0.5, 1.5], colors=["tab:orange"], alpha=0.2
+    )
 
 
 def _draw_executions(axes: Axes, values: dict[str, np.ndarray]) -> None:

@@ -53,8 +53,8 @@ def rules() -> Section:
         Cell("times fewer than without rules", None, plain / filled, plain >= FEWER * filled),
     ]
     notes = [
-        "Table 1 has no rule for (X1, Y3) and (X4, Y1). Entry `h` of table 2 is read as `m`. The figures give no",
-        "numbers: memberships are in models/fuzzy/, their peaks by `fikm-drake calibrate labvolt`.",
+        "Table 1 has no rule for (X1, Y3) and (X4, Y1). Entry `h` of table 2 is read as `m`. The figures",
+        "give no numbers: memberships are in models/fuzzy/, peaks by `fikm-drake calibrate labvolt`.",
         *load_mamdani(THETA_3).grid().splitlines(),
     ]
     for angle in ("theta_1", "theta_2", "theta_3"):
@@ -90,7 +90,7 @@ def starts() -> Section:
     notes = [
         "Equation 5 is in absolute angles, where two limits are linear constraints. In relative angles all",
         "limits are bounds, and the middle of the limits is as good a start as the rules.",
-        "A stretched arm is a saddle for a target on its line: no step is downhill. The program bends it first.",
+        "A stretched arm is a saddle for a target on its line: no step is downhill. So it is bent first.",
     ]
     return Section("starts", f"where the SQP starts, {MANY} targets", cells, notes)
 
@@ -123,8 +123,8 @@ def reach() -> Section:
         Cell("nearest distance, from the best of SQP [m]", None, apart, apart <= DISTANCE),
     ]
     notes = [
-        f"The last: {CHECKED} targets, SQP from {STARTS} postures of a grid each; it minimises the distance from a",
-        "target, out of reach or not, so its best must be the distance that the closed form gives.",
+        f"The last: {CHECKED} targets, SQP from {STARTS} postures of a grid each; it minimises the distance",
+        "from a target, out of reach or not, so its best must be the distance of the closed form.",
     ]
     return Section("reach", "what can be reached, in closed form", cells, notes)
 
@@ -152,9 +152,9 @@ def rounding() -> Section:
     error = error[np.isfinite(error)]
     cells.append(Cell("closed form with 360 and 228 mm: error [µm]", None, float(error.mean())))
     notes = [
-        "A hypothesis: angles rounded to the counts of the arm's servos err by the paper's order of magnitude,",
-        "without its spread. The inverse kinematics of the first author's MATLAB library have links of 360",
-        "and 228 mm (132² and 588² in its roots), its forward kinematics 360.4 and 228.5: that errs by more.",
+        "A hypothesis: angles rounded to the counts of the arm's servos err by the paper's order of",
+        "magnitude, without its spread. The first author's MATLAB library inverts an arm of 360 and 228 mm",
+        "(132² and 588² in its roots), its forward kinematics have 360.4 and 228.5: that errs by more.",
     ]
     return Section("rounding", "why the paper's closed form errs by micrometres", cells, notes)
 

@@ -1,6 +1,7 @@
 """Ordinary ways to the same solution, for comparison."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ def python_callback() -> Solver:
         x = float(np.hypot(target[0], target[1])) - geometry.offset
         y = float(target[2]) - geometry.height
 
-        def cost(angles: Array) -> float:
+        def cost(angles: Array) -> Any:
             dx = lengths @ np.cos(angles) - x
             dy = lengths @ np.sin(angles) - y
             return dx**2 + dy**2

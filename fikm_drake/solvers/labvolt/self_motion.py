@@ -11,7 +11,7 @@ meet, the arm stretched but for b, or the limit of b if that comes first.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from fikm_drake.solvers.labvolt.geometry import Geometry
 from fikm_drake.solvers.labvolt.two_links import EDGE, chord, two_links, wrap
@@ -44,11 +44,6 @@ def candidates(geometry: Geometry, target: Array) -> Array:
     for i, angle in enumerate((geometry.lower[2], geometry.upper[2], 0.0), start=4):
         q[:, 2 * i : 2 * i + 2] = _posture(geometry, target[:, None], angle, SIDES)
     return wrap(q)
-
-
-def reachable(geometry: Geometry, target: Array) -> NDArray[np.bool_]:
-    """Whether points of the arm's plane (2,N) [m] can be reached (N,): exact."""
-    return geometry.contains(candidates(geometry, target), EDGE).any(axis=0)
 
 
 def widest_arc(geometry: Geometry, target: Array) -> Array:
@@ -101,7 +96,7 @@ def _widest_middle(
     return q[:, best, lanes], width[best, lanes]
 
 
-def _posture(geometry: Geometry, target: Array, bend: ArrayLike, side: Array) -> Array:
+def _posture(geometry: Geometry, target: Array, bend: float | Array, side: Array) -> Array:
     """Relative angles (3,…) for given θ_3 − θ_2 and sides of the elbow; not wrapped."""
     first, second, third = geometry.lengths
     length, turn = chord(second, third, bend)
@@ -119,7 +114,7 @@ def _widest_bend(geometry: Geometry, distance: Array) -> Array:
 
 
 def _curve_angle(geometry: Geometry, q: Array, widest_bend: Array) -> Array:
-    """t of postures (3,N), in [−π/2, 3π/2]."""
+    """The t of postures (3,N), in [−π/2, 3π/2]."""
     _, second, third = geometry.lengths
     _, direction = chord(second, third, q[2])
     with np.errstate(invalid="ignore", divide="ignore"):

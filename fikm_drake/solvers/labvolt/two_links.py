@@ -1,16 +1,15 @@
 """Two links in a plane: the triangle that every closed form here is made of."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Number = float | Array
 EDGE = 1e-12
 """A cosine this far beyond 1 [-], or an angle this far beyond a limit [rad], counts as at it."""
 
 
-def two_links(
-    inner: ArrayLike, outer: ArrayLike, point: Array, side: ArrayLike
-) -> tuple[Array, Array]:
+def two_links(inner: Number, outer: Number, point: Array, side: Number) -> tuple[Array, Array]:
     """Angles that put the end of two links on a point.
 
     Args:
@@ -24,7 +23,6 @@ def two_links(
         short or too unequal. The point is met to rounding, also where the links are nearly straight.
     """
     x, y = point
-    inner, outer = np.asarray(inner), np.asarray(outer)
     with np.errstate(invalid="ignore", divide="ignore"):
         cosine = (x * x + y * y - (inner * inner + outer * outer)) / (2.0 * inner * outer)
         cosine[np.abs(cosine) > 1.0 + EDGE] = np.nan
@@ -34,7 +32,7 @@ def two_links(
     return np.arctan2(y, x) - side * turn, side * np.arccos(cosine)
 
 
-def chord(inner: ArrayLike, outer: ArrayLike, bend: ArrayLike) -> tuple[Array, Array]:
+def chord(inner: Number, outer: Number, bend: Number) -> tuple[Array, Array]:
     """Two links with a fixed angle between them, seen as one.
 
     Args:

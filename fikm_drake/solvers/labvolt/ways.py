@@ -85,13 +85,13 @@ class Ways:
 
     def _descend(self, goals: Goals, starts: Array) -> Found:
         q = np.empty(starts.shape)
-        for i, (point, start) in enumerate(zip(goals.points.T, starts.T)):
-            q[:, i] = self.program.reach(point, start)
+        for lane, (point, start) in enumerate(zip(goals.points.T, starts.T)):
+            q[:, lane] = self.program.reach(point, start)
         if goals.wishes is not None:
             reached = self.geometry.error(q, goals.points) <= self.tolerance
             for i in np.flatnonzero(reached):
                 q[:, i] = self._settled(goals.points[:, i], q[:, i], goals.wishes[:, i])
-        return q, np.ones(q.shape[1], dtype=int)
+        return q, np.ones(len(goals), dtype=int)
 
     def _settled(self, point: Array, q: Array, wish: Array) -> Array:
         """The nearest to a wish of what SQP finds from `q` and from the wish itself."""

@@ -85,5 +85,7 @@ def test_settle_comes_nearer_to_the_wish_and_stays_on_the_target(solver, within)
 
 
 def test_unknown_solver():
-    with pytest.raises(ValueError, match=r"solver must be one of \('slsqp', 'snopt'\), got 'ipopt'"):
+    with pytest.raises(
+        ValueError, match=r"solver must be one of \('slsqp', 'snopt'\), got 'ipopt'"
+    ):
         LabVoltProgram(GEOMETRY, solver="ipopt")

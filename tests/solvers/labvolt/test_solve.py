@@ -28,9 +28,7 @@ def check(targets, solution, tolerance=1e-9):
     assert GEOMETRY.contains(relative.T, 1e-12).all()
     valid = solution.status != LabVoltStatus.INVALID
     away = fd.labvolt.forward_kinematics(solution.angles[valid]) - targets[valid]
-    np.testing.assert_allclose(
-        np.hypot(*away.T), solution.error[valid], rtol=1e-9, atol=1e-12
-    )
+    np.testing.assert_allclose(np.hypot(*away.T), solution.error[valid], rtol=1e-9, atol=1e-12)
     assert np.isnan(solution.error[~valid]).all() and np.isnan(solution.nearest[~valid]).all()
     done = np.isin(solution.status, (LabVoltStatus.OK, LabVoltStatus.FELL_BACK))
     np.testing.assert_array_equal(solution.success, done)
@@ -174,9 +172,7 @@ def test_algorithm_1_tries_are_counted_as_in_a_plain_loop():
             if abs(cosine) > 1.0:
                 continue
             for bend in (np.arccos(cosine), -np.arccos(cosine)):
-                theta_1 = np.arctan2(wy, wx) - np.arctan2(
-                    a2 * np.sin(bend), a1 + a2 * np.cos(bend)
-                )
+                theta_1 = np.arctan2(wy, wx) - np.arctan2(a2 * np.sin(bend), a1 + a2 * np.cos(bend))
                 q = np.array([theta_1, bend, theta_3 - theta_1 - bend])
                 q = (q + np.pi) % (2 * np.pi) - np.pi
                 if GEOMETRY.contains(q, 0.0):
