@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from fikm_drake.fuzzy.memberships import (
     Gaussian,
     Membership,
+    trapezoid_edges,
     gaussian_grades,
-    sloped,
     trapezoid_grades,
 )
 
@@ -24,7 +24,7 @@ class MembershipStack:
         bells = [isinstance(shape, Gaussian) for shape in memberships]
         self._bells, self._cornered = np.flatnonzero(bells), np.flatnonzero(np.logical_not(bells))
         corners = [shape.corners for shape in memberships if not isinstance(shape, Gaussian)]
-        self._corners = sloped(np.reshape(corners, (-1, 4)).T)
+        self._edges = trapezoid_edges(np.reshape(corners, (-1, 4)).T)
         means = [(shape.mean, shape.sigma) for shape in memberships if isinstance(shape, Gaussian)]
         self._means = np.reshape(means, (-1, 2)).T
 
@@ -43,12 +43,12 @@ class MembershipStack:
             Grades, shape (n, ...).
         """
         tail = (1,) * (x.ndim - 1)
-        corners = self._corners.reshape(4, -1, *tail)
+        edges = self._edges.reshape(4, -1, *tail)
         if not self.has_gaussian:
-            return trapezoid_grades(x, corners)
+            return trapezoid_grades(x, edges)
         grades = np.empty((self._bells.size + self._cornered.size, *x.shape[1:]))
         x = np.broadcast_to(x, grades.shape)
-        grades[self._cornered] = trapezoid_grades(x[self._cornered], corners)
+        grades[self._cornered] = trapezoid_grades(x[self._cornered], edges)
         means = self._means.reshape(2, -1, *tail)
         grades[self._bells] = gaussian_grades(x[self._bells], means)
         return grades
@@ -62,13 +62,13 @@ class MembershipStack:
         Returns:
             Left and right ends, each of shape (n, N); infinite for a Gaussian at level 0.
         """
-        first, top_left, top_right, last = self._corners[:, :, None]
+        first, rise, last, fall = self._edges[:, :, None]
         if not self.has_gaussian:
-            return first + level * (top_left - first), last - level * (last - top_right)
+            return first + level * rise, last - level * fall
         left, right = np.empty(level.shape), np.empty(level.shape)
         cornered, bells = level[self._cornered], level[self._bells]
-        left[self._cornered] = first + cornered * (top_left - first)
-        right[self._cornered] = last - cornered * (last - top_right)
+        left[self._cornered] = first + cornered * rise
+        right[self._cornered] = last - cornered * fall
         mean, sigma = self._means[:, :, None]
         with np.errstate(divide="ignore"):
             reach = sigma * np.sqrt(-2.0 * np.log(bells))

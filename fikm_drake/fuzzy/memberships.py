@@ -60,7 +60,7 @@ class _Cornered(_Shape):
 
     def __call__(self, x: ArrayLike) -> Array:
         """Grades in [0, 1] of values of any shape; NaN where a value is NaN."""
-        return trapezoid_grades(np.asarray(x, dtype=float), sloped(np.array(self.corners)))
+        return trapezoid_grades(np.asarray(x, dtype=float), trapezoid_edges(self.corners))
 
 
 @dataclass
@@ -149,29 +149,30 @@ Membership = Triangle | Trapezoid | Gaussian
 """A shape; in YAML `!Triangle` (which may be left out), `!Trapezoid` or `!Gaussian`."""
 
 
-def sloped(corners: Array) -> Array:
-    """Corners (4, ...) whose vertical edges are slopes, as wide as the spacing of doubles.
+def trapezoid_edges(corners: ArrayLike) -> Array:
+    """Edges of trapezoids: left end, width of the rise, right end, width of the fall.
 
-    So no edge needs a case of its own; the grade is one where the edge was.
+    A vertical edge becomes a slope as wide as the spacing of doubles, so that it needs no case of
+    its own; the grade is one where the edge was.
+
+    Args:
+        corners: shape (4, ...): left, top left, top right, right.
+
+    Returns:
+        Shape (4, ...), widths positive.
     """
-    left, top_left, top_right, right = corners
+    left, top_left, top_right, right = np.asarray(corners, dtype=float)
     spacing = np.spacing(np.maximum(np.abs(left), np.abs(right)))
-    return np.stack(
-        [
-            np.where(left == top_left, left - spacing, left),
-            top_left,
-            top_right,
-            np.where(right == top_right, right + spacing, right),
-        ]
-    )
+    left = np.where(left == top_left, left - spacing, left)
+    right = np.where(right == top_right, right + spacing, right)
+    return np.stack([left, top_left - left, right, right - top_right])
 
 
-def trapezoid_grades(x: Array, corners: Array) -> Array:
-    """Grades of x by trapezoids with `sloped` corners (4, ...), each of which x broadcasts with."""
-    left, top_left, top_right, right = corners
-    rising = (x - left) / (top_left - left)
-    falling = (right - x) / (right - top_right)
-    return np.maximum(np.minimum(np.minimum(rising, falling), 1.0), 0.0)
+def trapezoid_grades(x: Array, edges: Array) -> Array:
+    """Grades of x by trapezoids with `edges` (4, ...), each of which x broadcasts with."""
+    left, rise, right, fall = edges
+    sides = np.minimum((x - left) / rise, (right - x) / fall)
+    return np.maximum(np.minimum(sides, 1.0), 0.0)
 
 
 def gaussian_grades(x: Array, parameters: Array) -> Array:

@@ -22,7 +22,6 @@ class Aggregate:
         cores: from where to where each has grade one, inside the range, shape (n, 2).
         supports: from where to where each is not zero, inside the range, shape (n, 2).
         grid: even samples of the range and all corners of the memberships, shape (K,).
-        samples: grades on the grid, shape (n, K).
         weights: `integral_weights` of the grid, shape (2, K).
         scaled: area and first moment of each membership on the grid, shape (2, n).
     """
@@ -45,17 +44,27 @@ class Aggregate:
         self.supports = np.clip([shape.support for shape in shapes], *range)
         corners = np.concatenate([self.cores, self.supports], axis=None)
         self.grid = np.union1d(np.linspace(*range, samples), corners)
-        self.samples = self.stack.grades(self.grid[None])
         self.weights = integral_weights(self.grid)
-        self.scaled = self.weights @ self.samples.T
+        samples = self.stack.grades(self.grid[None])
+        self.scaled = self.weights @ samples.T
+        # The part of the grid where a membership is not zero, and its grades there.
+        self._parts = [
+            (slice(inside[0], inside[-1] + 1), grades[inside[0] : inside[-1] + 1, None])
+            for grades in samples
+            for inside in [np.flatnonzero(grades)]
+        ]
 
     def implied(self, strengths: Array, grades: Array) -> Array:
         """Grades of the conclusions cut off or scaled; arguments that broadcast."""
         return self._imply(strengths, grades)
 
-    def __call__(self, strengths: Array, grades: Array) -> Array:
-        """Heights of the aggregate, shape (K, N), of strengths (n, N) and grades (n, K, N or 1)."""
-        return self._unite.reduce(self.implied(strengths[:, None], grades), axis=0)
+    def on_grid(self, strengths: Array) -> Array:
+        """Heights of the aggregate on the grid, shape (K, N), of strengths (n, N)."""
+        heights = np.zeros((self.grid.size, strengths.shape[1]))
+        for strength, (part, grades) in zip(strengths, self._parts):
+            inside = heights[part]
+            self._unite(inside, self._imply(strength, grades), out=inside)
+        return heights
 
 
 def integral_weights(nodes: Array) -> Array:

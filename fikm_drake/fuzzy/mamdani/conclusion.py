@@ -58,10 +58,14 @@ class Conclusion:
             no rule fired. Whether one did, shape (N,).
         """
         united = self._unite.reduceat(strengths[self._rules], self._starts, axis=0)
-        fired = united.max(axis=0) > LEAST_STRENGTH
+        fired = np.maximum.reduce(united) > LEAST_STRENGTH
+        if fired.all():
+            return self._value(united), fired
         values = np.full(fired.shape, self._default)
         if fired.any():
-            # A copy only where it is needed: mostly all have fired.
-            firing = united if fired.all() else united[:, fired]
-            values[fired] = np.clip(self._defuzzify(self._aggregate, firing), *self._range)
+            values[fired] = self._value(united[:, fired])
         return values, fired
+
+    def _value(self, strengths: Array) -> Array:
+        value = self._defuzzify(self._aggregate, strengths)
+        return np.minimum(np.maximum(value, self._range[0]), self._range[1])

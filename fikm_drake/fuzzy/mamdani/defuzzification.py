@@ -38,7 +38,7 @@ def centroid(aggregate: Aggregate, strengths: Array) -> Array:
         heights = aggregate.implied(strengths, grades)
         area, moment = (integral_weights(nodes) * heights).sum(axis=(1, 2))
     else:
-        area, moment = aggregate.weights @ aggregate(strengths, aggregate.samples[:, :, None])
+        area, moment = aggregate.weights @ aggregate.on_grid(strengths)
     return moment / area
 
 
@@ -49,14 +49,13 @@ def mean_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
     """
     level = strengths if aggregate.cuts_off else np.ones(strengths.shape)
     lower, upper = aggregate.range
-    left, right = (np.minimum(np.maximum(end, lower), upper) for end in aggregate.stack.cuts(level))
-    if aggregate.adds:
-        return _top_of_sum(aggregate, strengths, np.concatenate([left, right]))
-    return _top_of_maximum(aggregate, strengths, left, right)
+    ends = np.minimum(np.maximum(np.concatenate(aggregate.stack.cuts(level)), lower), upper)
+    return (_top_of_sum if aggregate.adds else _top_of_maximum)(aggregate, strengths, ends)
 
 
-def _top_of_maximum(aggregate: Aggregate, strengths: Array, left: Array, right: Array) -> Array:
+def _top_of_maximum(aggregate: Aggregate, strengths: Array, ends: Array) -> Array:
     """The top is where the strongest conclusions are cut off, or their cores."""
+    left, right = ends[: len(strengths)], ends[len(strengths) :]
     strongest = strengths >= np.maximum.reduce(strengths) * (1.0 - TIE)
     upper = aggregate.range[1]
     # The union of intervals: the k-th end from the left closes what the k-th start or, if that is
@@ -78,7 +77,8 @@ def _top_of_sum(aggregate: Aggregate, strengths: Array, nodes: Array) -> Array:
     nodes.sort(axis=0)
     widths = nodes[1:] - nodes[:-1]
     places = np.concatenate([nodes, nodes[:-1] + 0.5 * widths])
-    heights = aggregate(strengths, aggregate.stack.grades(places[None]))
+    grades = aggregate.stack.grades(places[None])
+    heights = np.add.reduce(aggregate.implied(strengths[:, None], grades))
     top = heights >= np.maximum.reduce(heights) * (1.0 - TIE)
     # Between nodes the sum is convex: level if its middle is as high as its ends.
     ends, middles = top[: len(nodes)], top[len(nodes) :]

@@ -15,7 +15,7 @@ from fikm_drake.fuzzy.mamdani.rule_text import rule_grid, rule_lines, rule_table
 
 Array = NDArray[np.float64]
 
-CHUNK = 512
+CHUNK = 256
 """Points of a batch at a time: few enough for the arrays of a pass to stay in the cache."""
 
 
