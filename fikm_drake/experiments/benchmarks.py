@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments import (
+    batch_benchmark,
+    mamdani_benchmark,
+    pose_benchmark,
+    step_benchmark,
+)
 
 Progress = Callable[[float], None]
 
@@ -31,6 +36,12 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "mamdani": Benchmark(
+        "Mamdani inference, beside scikit-fuzzy where installed",
+        "rounds",
+        10,
+        mamdani_benchmark.table,
     ),
 }
 """Benchmarks by name."""
