@@ -72,10 +72,14 @@ def mamdani_benchmark(
             raise ValueError(f"{name} must be positive, got {value}")
     engines = _engines()
     config = load_mamdani(SYSTEM).config
-    lower, upper = (np.array([getattr(v, end) for v in config.inputs]) for end in ("lower", "upper"))
+    lower, upper = (
+        np.array([getattr(v, end) for v in config.inputs]) for end in ("lower", "upper")
+    )
     width = config.outputs[0].upper - config.outputs[0].lower
     rng = np.random.default_rng(seed)
-    runs: dict[tuple[str, str, str], list[tuple[float, float, float]]] = {key: [] for key in engines}
+    runs: dict[tuple[str, str, str], list[tuple[float, float, float]]] = {
+        key: [] for key in engines
+    }
     for k in range(rounds):
         X = rng.uniform(lower, upper, (points, len(lower)))
         for aggregation, defuzzification in CASES:

@@ -48,7 +48,9 @@ class FuzzyVariable:
         """A variable whose memberships are the triangles of a partition, which sum to one."""
         knots = partition.knots.tolist()
         corners = zip([knots[0], *knots], knots, [*knots[1:], knots[-1]])
-        triangles = {label: Triangle(*abc) for label, abc in zip(partition.labels, corners)}
+        triangles: dict[str, Membership] = {
+            label: Triangle(*abc) for label, abc in zip(partition.labels, corners)
+        }
         return cls(name, unit, knots[0], knots[-1], triangles)
 
     @property

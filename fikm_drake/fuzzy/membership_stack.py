@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from fikm_drake.fuzzy.memberships import (
     Gaussian,
     Membership,
-    trapezoid_edges,
     gaussian_grades,
+    trapezoid_edges,
     trapezoid_grades,
 )
 

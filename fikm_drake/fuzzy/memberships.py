@@ -60,7 +60,7 @@ class _Cornered(_Shape):
 
     def __call__(self, x: ArrayLike) -> Array:
         """Grades in [0, 1] of values of any shape; NaN where a value is NaN."""
-        return trapezoid_grades(np.asarray(x, dtype=float), trapezoid_edges(self.corners))
+        return trapezoid_grades(np.asarray(x, dtype=float)[None], trapezoid_edges(self.corners))[0]
 
 
 @dataclass
@@ -171,8 +171,12 @@ def trapezoid_edges(corners: ArrayLike) -> Array:
 def trapezoid_grades(x: Array, edges: Array) -> Array:
     """Grades of x by trapezoids with `edges` (4, ...), each of which x broadcasts with."""
     left, rise, right, fall = edges
-    sides = np.minimum((x - left) / rise, (right - x) / fall)
-    return np.maximum(np.minimum(sides, 1.0), 0.0)
+    grades, falling = x - left, right - x
+    grades /= rise
+    falling /= fall
+    np.minimum(grades, falling, out=grades)
+    np.minimum(grades, 1.0, out=grades)
+    return np.maximum(grades, 0.0, out=grades)
 
 
 def gaussian_grades(x: Array, parameters: Array) -> Array:

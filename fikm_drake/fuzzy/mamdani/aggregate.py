@@ -15,7 +15,7 @@ class Aggregate:
     """Conclusions that strengths cut off or scale and that are then united.
 
     Attributes:
-        range: lower and upper end of the output.
+        bounds: lower and upper end of the output.
         cuts_off: whether the implication is the minimum; else it is the product.
         adds: whether the conclusions are added; else their maximum is taken.
         stack: memberships of the conclusions (n).
@@ -29,21 +29,22 @@ class Aggregate:
     def __init__(
         self,
         shapes: Sequence[Membership],
-        range: tuple[float, float],
+        bounds: tuple[float, float],
         *,
         cuts_off: bool,
         adds: bool,
         samples: int,
     ) -> None:
         """Prepares the conclusions; see the class. `samples` is the size of the even grid."""
-        self.range, self.cuts_off, self.adds = range, cuts_off, adds
+        self.bounds, self.cuts_off, self.adds = bounds, cuts_off, adds
+        lower, upper = bounds
         self._imply = np.minimum if cuts_off else np.multiply
         self._unite = np.add if adds else np.maximum
         self.stack = MembershipStack(shapes)
-        self.cores = np.clip([shape.core for shape in shapes], *range)
-        self.supports = np.clip([shape.support for shape in shapes], *range)
+        self.cores = np.clip([shape.core for shape in shapes], lower, upper)
+        self.supports = np.clip([shape.support for shape in shapes], lower, upper)
         corners = np.concatenate([self.cores, self.supports], axis=None)
-        self.grid = np.union1d(np.linspace(*range, samples), corners)
+        self.grid = np.union1d(np.linspace(lower, upper, samples), corners)
         self.weights = integral_weights(self.grid)
         samples = self.stack.grades(self.grid[None])
         self.scaled = self.weights @ samples.T

@@ -23,9 +23,9 @@ class Conclusion:
 
     def __init__(self, variable: FuzzyVariable, config: MamdaniConfig) -> None:
         """Prepares an output of a valid config."""
-        ends = variable.lower, variable.upper
-        self._range = ends
-        self._default = sum(ends) / 2.0 if variable.default is None else variable.default
+        self._bounds = variable.lower, variable.upper
+        middle = 0.5 * (variable.lower + variable.upper)
+        self._default = middle if variable.default is None else variable.default
         cuts_off, adds = config.implication == "minimum", config.aggregation == "sum"
 
         name = variable.name
@@ -40,7 +40,7 @@ class Conclusion:
         self._unite = np.add if adds else np.maximum
         self._aggregate = Aggregate(
             [variable.memberships[labels[n]] for n in starts],
-            ends,
+            self._bounds,
             cuts_off=cuts_off,
             adds=adds,
             samples=config.samples,
@@ -68,4 +68,4 @@ class Conclusion:
 
     def _value(self, strengths: Array) -> Array:
         value = self._defuzzify(self._aggregate, strengths)
-        return np.minimum(np.maximum(value, self._range[0]), self._range[1])
+        return np.minimum(np.maximum(value, self._bounds[0]), self._bounds[1])

@@ -33,7 +33,7 @@ def centroid(aggregate: Aggregate, strengths: Array) -> Array:
     elif aggregate.adds and not aggregate.stack.has_gaussian:
         first, last = np.broadcast_to(aggregate.supports.T[..., None], (2, *strengths.shape))
         left, right = aggregate.stack.cuts(strengths)
-        nodes = np.clip([first, left, right, last], *aggregate.range)
+        nodes = np.clip([first, left, right, last], *aggregate.bounds)
         grades = aggregate.stack.grades(nodes.swapaxes(0, 1)).swapaxes(0, 1)
         heights = aggregate.implied(strengths, grades)
         area, moment = (integral_weights(nodes) * heights).sum(axis=(1, 2))
@@ -48,7 +48,7 @@ def mean_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
     Where it is greatest at points only, their mean. Exact, but for a sum with Gaussians.
     """
     level = strengths if aggregate.cuts_off else np.ones(strengths.shape)
-    lower, upper = aggregate.range
+    lower, upper = aggregate.bounds
     ends = np.minimum(np.maximum(np.concatenate(aggregate.stack.cuts(level)), lower), upper)
     return (_top_of_sum if aggregate.adds else _top_of_maximum)(aggregate, strengths, ends)
 
@@ -57,7 +57,7 @@ def _top_of_maximum(aggregate: Aggregate, strengths: Array, ends: Array) -> Arra
     """The top is where the strongest conclusions are cut off, or their cores."""
     left, right = ends[: len(strengths)], ends[len(strengths) :]
     strongest = strengths >= np.maximum.reduce(strengths) * (1.0 - TIE)
-    upper = aggregate.range[1]
+    upper = aggregate.bounds[1]
     # The union of intervals: the k-th end from the left closes what the k-th start or, if that is
     # further right, the end before has opened. The others are intervals of no width, out of the way.
     starts = np.sort(np.where(strongest, left, upper), axis=0)
@@ -91,7 +91,7 @@ def _centre(
     """Centre of disjoint intervals; where all are mere points, the mean of the counted points."""
     length = np.add.reduce(widths)
     moment = np.add.reduce(widths * (starts + 0.5 * widths))
-    is_long = length > TIE * (aggregate.range[1] - aggregate.range[0])
+    is_long = length > TIE * (aggregate.bounds[1] - aggregate.bounds[0])
     if is_long.all():
         return moment / length
     mean = np.add.reduce(points * counted) / np.add.reduce(counted)

@@ -15,7 +15,7 @@ from fikm_drake.fuzzy.mamdani.rule_text import rule_grid, rule_lines, rule_table
 
 Array = NDArray[np.float64]
 
-CHUNK = 256
+CHUNK = 512
 """Points of a batch at a time: few enough for the arrays of a pass to stay in the cache."""
 
 
@@ -46,7 +46,9 @@ class MamdaniSystem:
         config.validate()
         self._config = copy.deepcopy(config)
         self._premises = Premises(self._config.inputs, self._config.rules, config.norm)
-        self._conclusions = [Conclusion(variable, self._config) for variable in self._config.outputs]
+        self._conclusions = [
+            Conclusion(variable, self._config) for variable in self._config.outputs
+        ]
 
     @property
     def config(self) -> MamdaniConfig:

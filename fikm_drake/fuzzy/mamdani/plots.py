@@ -82,17 +82,17 @@ def plot_surface(
 
 def _plot_variable(axes: Axes, variable: FuzzyVariable) -> None:
     x = np.linspace(variable.lower, variable.upper, POINTS)
-    corners = [end for shape in variable.memberships.values() for end in shape.core]
-    x = np.union1d(x, np.clip(corners, variable.lower, variable.upper))
+    cores = [shape.core for shape in variable.memberships.values()]
+    x = np.union1d(x, np.clip(cores, variable.lower, variable.upper))
     for label, grades in zip(variable.labels, variable.grades(x).T):
         (line,) = axes.plot(x, grades)
-        top = x[grades >= grades.max()].mean()
+        core = np.clip(variable.memberships[label].core, variable.lower, variable.upper)
         axes.annotate(
             label,
-            (top, grades.max()),
+            (core.mean(), 1.0),
             xytext=(0, 3),
             textcoords="offset points",
-            ha="center",
+            ha=_alignment(core.mean(), variable),
             color=line.get_color(),
         )
     axes.set_xlim(variable.lower, variable.upper)
@@ -101,3 +101,8 @@ def _plot_variable(axes: Axes, variable: FuzzyVariable) -> None:
     axes.set_xlabel(variable.axis)
     axes.set_ylabel("grade [-]")
     axes.grid(alpha=0.3)
+
+
+def _alignment(x: float, variable: FuzzyVariable) -> str:
+    """Of a label at x, so that it stays inside the axes."""
+    return {variable.lower: "left", variable.upper: "right"}.get(x, "center")

@@ -41,7 +41,9 @@ def rule_grid(config: MamdaniConfig, output: str | None) -> str:
         cells = [a]
         for b in second.labels:
             case = {first.name: a, second.name: b}
-            held = [rule.then[name] for rule in config.rules if name in rule.then and rule.holds(case)]
+            held = [
+                rule.then[name] for rule in config.rules if name in rule.then and rule.holds(case)
+            ]
             cells.append("/".join(dict.fromkeys(held)) or HOLE)
         rows.append(cells)
     return aligned(rows)

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
 from hypothesis import strategies as st
 
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
-from fikm_drake.fuzzy.mamdani import FuzzyRule, MamdaniConfig, MamdaniSystem
+from fikm_drake.fuzzy.mamdani import FuzzyRule, MamdaniConfig
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 
 FINE = 40_001
