@@ -33,6 +33,12 @@ class MembershipStack:
         """Whether one of them is a Gaussian; the others are linear between corners."""
         return self._bells.size > 0
 
+    @property
+    def corners(self) -> Array:
+        """Places, shape (k,), between which all grades are linear or smooth."""
+        left, rise, right, fall = self._edges
+        return np.concatenate([left, left + rise, right - fall, right, self._means[0]])
+
     def grades(self, x: Array) -> Array:
         """Grades of values.
 

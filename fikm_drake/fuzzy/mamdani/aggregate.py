@@ -43,17 +43,37 @@ class Aggregate:
         self.stack = MembershipStack(shapes)
         self.cores = np.clip([shape.core for shape in shapes], lower, upper)
         self.supports = np.clip([shape.support for shape in shapes], lower, upper)
-        corners = np.concatenate([self.cores, self.supports], axis=None)
+        corners = np.clip(self.stack.corners, lower, upper)
         self.grid = np.union1d(np.linspace(lower, upper, samples), corners)
         self.weights = integral_weights(self.grid)
-        samples = self.stack.grades(self.grid[None])
-        self.scaled = self.weights @ samples.T
+        all_grades = self.stack.grades(self.grid[None])
+        self.scaled = self.weights @ all_grades.T
+        self._rounding = 4.0 * np.spacing(np.abs([*self.stack.corners, lower, upper]).max())
         # The part of the grid where a membership is not zero, and its grades there.
         self._parts = [
             (slice(inside[0], inside[-1] + 1), grades[inside[0] : inside[-1] + 1, None])
-            for grades in samples
+            for grades in all_grades
             for inside in [np.flatnonzero(grades)]
         ]
+
+    def tops(self, strengths: Array) -> tuple[Array, Array]:
+        """Where each conclusion is cut off, or its core if it is scaled: from, to.
+
+        Ends are inside the range, and inside the interval by more than a rounding error, where that
+        is wider: so the height there is the strength, however small it is.
+
+        Args:
+            strengths: shape (n, N).
+
+        Returns:
+            Left and right ends, each of shape (n, N).
+        """
+        left, right = self.stack.cuts(strengths if self.cuts_off else np.ones(strengths.shape))
+        lower, upper = self.bounds
+        left, right = np.maximum(left, lower), np.minimum(right, upper)
+        middle = 0.5 * (left + right)
+        left = np.minimum(left + self._rounding, middle)
+        return left, np.maximum(right - self._rounding, middle)
 
     def implied(self, strengths: Array, grades: Array) -> Array:
         """Grades of the conclusions cut off or scaled; arguments that broadcast."""
