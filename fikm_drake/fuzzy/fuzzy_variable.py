@@ -2,11 +2,12 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.fuzzy.checks import check_finite
 from fikm_drake.fuzzy.membership_stack import MembershipStack
 from fikm_drake.fuzzy.memberships import Membership, Triangle
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
@@ -82,20 +83,28 @@ class FuzzyVariable:
         where = f"variable {self.name!r}"
         if not self.name:
             raise ValueError("a variable needs a name")
-        if not (isfinite(self.lower) and isfinite(self.upper) and self.lower < self.upper):
+        self.lower = check_finite(f"{where}: lower", self.lower)
+        self.upper = check_finite(f"{where}: upper", self.upper)
+        if not self.lower < self.upper:
             raise ValueError(
-                f"{where}: lower must be less than upper, both finite, "
-                f"got {self.lower!r} and {self.upper!r}"
+                f"{where}: lower must be less than upper, got {self.lower} and {self.upper}"
             )
         if not self.memberships:
             raise ValueError(f"{where}: needs at least one membership")
-        if self.default is not None and not self.lower <= self.default <= self.upper:
-            raise ValueError(
-                f"{where}: default must be in [{self.lower}, {self.upper}], got {self.default!r}"
-            )
+        if self.default is not None:
+            self.default = check_finite(f"{where}: default", self.default)
+            if not self.lower <= self.default <= self.upper:
+                raise ValueError(
+                    f"{where}: default must be in [{self.lower}, {self.upper}], got {self.default}"
+                )
         for label, shape in self.memberships.items():
             if not label or label.startswith(NOT):
                 raise ValueError(f"{where}: a label must not be empty or begin with {NOT!r}")
+            if not isinstance(shape, Membership):
+                raise ValueError(
+                    f"{where}: membership {label!r} must be a Triangle, Trapezoid or Gaussian, "
+                    f"got {shape!r}"
+                )
             try:
                 shape.validate()
             except ValueError as error:

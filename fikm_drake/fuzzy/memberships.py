@@ -2,10 +2,12 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import astuple, dataclass, fields
-from math import inf, isfinite, nan
+from math import inf, nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from fikm_drake.fuzzy.checks import check_finite
 
 Array = NDArray[np.float64]
 
@@ -21,16 +23,8 @@ class _Shape:
     def validate(self) -> None:
         """Raise ValueError, naming the bad number, unless all are finite."""
         for field in fields(self):
-            value = getattr(self, field.name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                number = nan
-            if not isfinite(number):
-                raise ValueError(
-                    f"{type(self).__name__}: {field.name} must be a finite number, got {value!r}"
-                )
-            setattr(self, field.name, number)
+            name = f"{type(self).__name__}: {field.name}"
+            setattr(self, field.name, check_finite(name, getattr(self, field.name)))
 
 
 class _Cornered(_Shape):

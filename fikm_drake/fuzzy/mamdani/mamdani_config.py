@@ -123,7 +123,7 @@ class MamdaniConfig:
 
 
 def _check_labels(
-    where: str, labels: dict[str, str], variables: list[FuzzyVariable], prefix: str
+    where: str, labels: dict[str, str], variables: list[FuzzyVariable], negation: str
 ) -> None:
     known = {variable.name: variable.labels for variable in variables}
     if not labels:
@@ -131,7 +131,7 @@ def _check_labels(
     for name, label in labels.items():
         if name not in known:
             raise ValueError(f"{where}: no variable {name!r}; there are: {', '.join(known)}")
-        if label.removeprefix(prefix) not in known[name]:
+        if label not in known[name] and label not in [negation + own for own in known[name]]:
             raise ValueError(
                 f"{where}: {name!r} has no label {label!r}; there are: {', '.join(known[name])}"
             )
