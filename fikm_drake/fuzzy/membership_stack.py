@@ -34,10 +34,13 @@ class MembershipStack:
         return self._bells.size > 0
 
     @property
-    def corners(self) -> Array:
-        """Places, shape (k,), between which all grades are linear or smooth."""
+    def flanks(self) -> Array:
+        """Where grades rise or fall: from, to; shape (k, 2). Of a Gaussian six sigmas a side."""
         left, rise, right, fall = self._edges
-        return np.concatenate([left, left + rise, right - fall, right, self._means[0]])
+        mean, sigma = self._means
+        starts = [left, right - fall, mean - 6.0 * sigma, mean]
+        ends = [left + rise, right, mean, mean + 6.0 * sigma]
+        return np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1)
 
     def grades(self, x: Array) -> Array:
         """Grades of values.

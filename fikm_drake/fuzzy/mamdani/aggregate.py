@@ -10,6 +10,9 @@ from fikm_drake.fuzzy.memberships import Membership
 
 Array = NDArray[np.float64]
 
+FLANK_SAMPLES = 17
+"""Of a flank that the even grid would sample less often: a narrow membership is not lost."""
+
 
 class Aggregate:
     """Conclusions that strengths cut off or scale and that are then united.
@@ -21,7 +24,7 @@ class Aggregate:
         stack: memberships of the conclusions (n).
         cores: from where to where each has grade one, inside the range, shape (n, 2).
         supports: from where to where each is not zero, inside the range, shape (n, 2).
-        grid: even samples of the range and all corners of the memberships, shape (K,).
+        grid: even samples of the range, all corners, and more on narrow flanks, shape (K,).
         weights: `integral_weights` of the grid, shape (2, K).
         scaled: area and first moment of each membership on the grid, shape (2, n).
     """
@@ -43,12 +46,11 @@ class Aggregate:
         self.stack = MembershipStack(shapes)
         self.cores = np.clip([shape.core for shape in shapes], lower, upper)
         self.supports = np.clip([shape.support for shape in shapes], lower, upper)
-        corners = np.clip(self.stack.corners, lower, upper)
-        self.grid = np.union1d(np.linspace(lower, upper, samples), corners)
+        self.grid = _grid(lower, upper, samples, self.stack.flanks)
         self.weights = integral_weights(self.grid)
         all_grades = self.stack.grades(self.grid[None])
         self.scaled = self.weights @ all_grades.T
-        self._rounding = 4.0 * np.spacing(np.abs([*self.stack.corners, lower, upper]).max())
+        self._rounding = 4.0 * np.spacing(np.abs([*self.stack.flanks.flat, lower, upper]).max())
         # The part of the grid where a membership is not zero, and its grades there.
         self._parts = [
             (slice(inside[0], inside[-1] + 1), grades[inside[0] : inside[-1] + 1, None])
@@ -86,6 +88,14 @@ class Aggregate:
             inside = heights[part]
             self._unite(inside, self._imply(strength, grades), out=inside)
         return heights
+
+
+def _grid(lower: float, upper: float, samples: int, flanks: Array) -> Array:
+    even = np.linspace(lower, upper, samples)
+    start, end = flanks.T
+    narrow = end - start < (FLANK_SAMPLES - 1) * (even[1] - even[0])
+    more = np.linspace(start[narrow], end[narrow], FLANK_SAMPLES)
+    return np.unique(np.clip(np.concatenate([even, flanks, more], axis=None), lower, upper))
 
 
 def integral_weights(nodes: Array) -> Array:

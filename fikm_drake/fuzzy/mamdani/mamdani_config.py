@@ -55,7 +55,7 @@ class MamdaniConfig:
     defuzzification: str = "centroid"
     """`centroid`, `mean_of_maximum`, or `height`: the mean of cores weighted by strengths."""
     samples: int = 201
-    """Points of an output's range on which areas are computed."""
+    """Points of an output's range at which areas are sampled, if they are not exact."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""

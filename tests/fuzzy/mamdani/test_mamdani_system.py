@@ -113,6 +113,32 @@ def test_centroids_by_hand():
         )
 
 
+@given(st.lists(st.floats(0.02, 1.0), min_size=3, max_size=3))
+def test_without_overlap_the_maximum_is_the_sum(strengths):
+    """Narrow memberships too, which an even grid would miss: the sum needs none."""
+    shapes = {
+        "narrow": Triangle(1.0, 1.001, 1.003),
+        "wide": Trapezoid(2.0, 3.0, 4.0, 5.0),
+        "edge": Triangle(7.0, 7.0, 7.1),
+    }
+    for implication, tolerance in (("minimum", 5e-3), ("product", 1e-9)):
+        sampled, exact = (
+            one_output(shapes, list(shapes), aggregation=aggregation, implication=implication)
+            for aggregation in ("maximum", "sum")
+        )
+        values = sampled(strengths).values, exact(strengths).values
+        np.testing.assert_allclose(*values, rtol=0.0, atol=tolerance)
+
+
+def test_a_narrow_gaussian_weighs_its_area():
+    shapes = {"bell": Gaussian(2.0, 1e-3), "box": Trapezoid(8.0, 8.0, 8.01, 8.01)}
+    for aggregation in ("maximum", "sum"):
+        system = one_output(shapes, ["bell", "box"], implication="product", aggregation=aggregation)
+        area = 1e-3 * math.sqrt(2.0 * math.pi)
+        expected = (area * 2.0 + 0.01 * 8.005) / (area + 0.01)
+        assert system([1.0, 1.0]).values[0] == pytest.approx(expected, abs=1e-4)
+
+
 def test_means_of_maxima_by_hand():
     shapes = {"low": Triangle(0.0, 2.0, 4.0), "high": Trapezoid(4.0, 6.0, 7.0, 9.0)}
     cut = one_output(shapes, ["low", "high"], defuzzification="mean_of_maximum")
