@@ -35,12 +35,12 @@ class MembershipStack:
 
     @property
     def flanks(self) -> Array:
-        """Where grades rise or fall: from, to; shape (k, 2). Of a Gaussian six sigmas a side."""
+        """Foot and top of every slope, shape (k, 2). The foot of a Gaussian is at six sigmas."""
         left, rise, right, fall = self._edges
         mean, sigma = self._means
-        starts = [left, right - fall, mean - 6.0 * sigma, mean]
-        ends = [left + rise, right, mean, mean + 6.0 * sigma]
-        return np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1)
+        feet = [left, right, mean - 6.0 * sigma, mean + 6.0 * sigma]
+        tops = [left + rise, right - fall, mean, mean]
+        return np.stack([np.concatenate(feet), np.concatenate(tops)], axis=1)
 
     def grades(self, x: Array) -> Array:
         """Grades of values.

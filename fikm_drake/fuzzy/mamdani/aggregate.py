@@ -10,8 +10,8 @@ from fikm_drake.fuzzy.memberships import Membership
 
 Array = NDArray[np.float64]
 
-FLANK_SAMPLES = 17
-"""Of a flank that the even grid would sample less often: a narrow membership is not lost."""
+FLANK = np.linspace(0.0, 1.0, 17)
+"""Samples of a narrow flank, from foot to top: so that a narrow membership is not lost."""
 
 
 class Aggregate:
@@ -92,9 +92,9 @@ class Aggregate:
 
 def _grid(lower: float, upper: float, samples: int, flanks: Array) -> Array:
     even = np.linspace(lower, upper, samples)
-    start, end = flanks.T
-    narrow = end - start < (FLANK_SAMPLES - 1) * (even[1] - even[0])
-    more = np.linspace(start[narrow], end[narrow], FLANK_SAMPLES)
+    foot, way = flanks[:, :1], np.diff(flanks)
+    narrow = np.abs(way[:, 0]) < (FLANK.size - 1) * (even[1] - even[0])
+    more = foot[narrow] + way[narrow] * FLANK
     return np.unique(np.clip(np.concatenate([even, flanks, more], axis=None), lower, upper))
 
 
