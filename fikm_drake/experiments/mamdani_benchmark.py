@@ -101,26 +101,26 @@ def mamdani_benchmark(
 def table(rounds: int, progress: Callable[[float], None]) -> str:
     """The benchmark's text."""
     costs = mamdani_benchmark(rounds=rounds, progress=progress)
-    ours = {(c.aggregation, c.defuzzification): c for c in costs if c.engine == OURS}
-    lines = [
-        "Table 1 of Elsharif et al., 2 inputs and 9 rules, minimum: CPU time a point (median)",
-        "(times ours: one point to one point, array to array; one of the peer's to a point of our array)",
+    peers = {cost.defuzzification: cost for cost in costs if cost.engine == PEER}
+    lines = ["Table 1 of Elsharif et al., 2 inputs and 9 rules: CPU time of a point (median)"]
+    lines += [
+        f"  {cost.engine:12s} {cost.aggregation:7s} {cost.defuzzification:15s}"
+        f" alone {cost.single:7.1f} µs  in an array {cost.batch:6.2f} µs"
+        for cost in costs
     ]
-    for cost in costs:
-        line = (
-            f"  {cost.aggregation:8s} {cost.defuzzification:16s} {cost.engine:13s}"
-            f" one {cost.single:8.1f} µs  array {cost.batch:7.2f} µs"
-        )
-        if cost.engine == PEER:
-            mine = ours[cost.aggregation, cost.defuzzification]
-            line += (
-                f"  {cost.single / mine.single:.0f}x, {cost.batch / mine.batch:.0f}x,"
-                f" {cost.single / mine.batch:.0f}x  apart {cost.difference:.1e} of the range"
+    if not peers:
+        return "\n".join([*lines, "scikit-fuzzy is not installed: nothing to compare with"])
+    lines.append("times faster than scikit-fuzzy, which has no sum: there, than its maximum")
+    for ours in costs:
+        if ours.engine == OURS:
+            peer = peers[ours.defuzzification]
+            lines.append(
+                f"  {ours.aggregation:7s} {ours.defuzzification:15s} alone"
+                f" {peer.single / ours.single:.0f}x, our array than its points alone"
+                f" {peer.single / ours.batch:.0f}x, than its array {peer.batch / ours.batch:.0f}x"
             )
-        lines.append(line)
-    if not find_spec("skfuzzy"):
-        lines.append("  scikit-fuzzy is not installed: nothing to compare with")
-    return "\n".join(lines)
+    apart = ", ".join(f"{peer.difference:.1e} ({name})" for name, peer in peers.items())
+    return "\n".join([*lines, f"outputs apart, median, of the range: {apart}"])
 
 
 def _timed(evaluate: Evaluate, X: Array, singles: int) -> tuple[float, float, Array]:

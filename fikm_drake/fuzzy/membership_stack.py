@@ -25,6 +25,9 @@ class MembershipStack:
         self._bells, self._cornered = np.flatnonzero(bells), np.flatnonzero(np.logical_not(bells))
         corners = [shape.corners for shape in memberships if not isinstance(shape, Gaussian)]
         self._edges = trapezoid_edges(np.reshape(corners, (-1, 4)).T)
+        left, rise, right, fall = self._edges
+        rounding = 4.0 * np.spacing(np.maximum(np.abs(left), np.abs(right)))
+        self._insides = np.stack([left + rounding, left + rise, right - rounding, right - fall])
         means = [(shape.mean, shape.sigma) for shape in memberships if isinstance(shape, Gaussian)]
         self._means = np.reshape(means, (-1, 2)).T
 
@@ -63,23 +66,28 @@ class MembershipStack:
         return grades
 
     def cuts(self, level: Array) -> tuple[Array, Array]:
-        """Ends of the intervals where the grades are at least a level in [0, 1].
+        """Ends of the intervals where the grades are at least a level.
+
+        The ends are more than a rounding error inside the intervals, where these are wider: so the
+        grade there is no less than the level, however low it is.
 
         Args:
-            level: one of each membership, shape (n, N).
+            level: one of each membership, in (0, 1], shape (n, N).
 
         Returns:
-            Left and right ends, each of shape (n, N); infinite for a Gaussian at level 0.
+            Left and right ends, each of shape (n, N).
         """
-        first, rise, last, fall = self._edges[:, :, None]
+        first, top_left, last, top_right = self._insides[:, :, None]
+        _, rise, _, fall = self._edges[:, :, None]
+        cornered = level[self._cornered] if self.has_gaussian else level
+        left = np.minimum(first + cornered * rise, top_left)
+        right = np.maximum(last - cornered * fall, top_right)
         if not self.has_gaussian:
-            return first + level * rise, last - level * fall
-        left, right = np.empty(level.shape), np.empty(level.shape)
-        cornered, bells = level[self._cornered], level[self._bells]
-        left[self._cornered] = first + cornered * rise
-        right[self._cornered] = last - cornered * fall
+            return left, right
         mean, sigma = self._means[:, :, None]
         with np.errstate(divide="ignore"):
-            reach = sigma * np.sqrt(-2.0 * np.log(bells))
-        left[self._bells], right[self._bells] = mean - reach, mean + reach
-        return left, right
+            reach = sigma * np.sqrt(-2.0 * np.log(level[self._bells]))
+        order = np.argsort(np.concatenate([self._cornered, self._bells]))
+        return np.concatenate([left, mean - reach])[order], np.concatenate([right, mean + reach])[
+            order
+        ]

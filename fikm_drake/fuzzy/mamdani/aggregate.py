@@ -50,7 +50,6 @@ class Aggregate:
         self.weights = integral_weights(self.grid)
         all_grades = self.stack.grades(self.grid[None])
         self.scaled = self.weights @ all_grades.T
-        self._rounding = 4.0 * np.spacing(np.abs([*self.stack.flanks.flat, lower, upper]).max())
         # The part of the grid where a membership is not zero, and its grades there.
         self._parts = [
             (slice(inside[0], inside[-1] + 1), grades[inside[0] : inside[-1] + 1, None])
@@ -58,11 +57,16 @@ class Aggregate:
             for inside in [np.flatnonzero(grades)]
         ]
 
-    def tops(self, strengths: Array) -> tuple[Array, Array]:
-        """Where each conclusion is cut off, or its core if it is scaled: from, to.
+    @property
+    def size(self) -> int:
+        """Numbers in the largest array that a point needs, for any defuzzification."""
+        if not self.adds:
+            return self.grid.size
+        n = len(self.cores)
+        return 2 * n * (2 * n + self.stack.has_gaussian * self.grid.size)
 
-        Ends are inside the range, and inside the interval by more than a rounding error, where that
-        is wider: so the height there is the strength, however small it is.
+    def tops(self, strengths: Array) -> tuple[Array, Array]:
+        """Where each conclusion is cut off, or its core if it is scaled: from, to, inside the range.
 
         Args:
             strengths: shape (n, N).
@@ -71,11 +75,7 @@ class Aggregate:
             Left and right ends, each of shape (n, N).
         """
         left, right = self.stack.cuts(strengths if self.cuts_off else np.ones(strengths.shape))
-        lower, upper = self.bounds
-        left, right = np.maximum(left, lower), np.minimum(right, upper)
-        middle = 0.5 * (left + right)
-        left = np.minimum(left + self._rounding, middle)
-        return left, np.maximum(right - self._rounding, middle)
+        return np.maximum(left, self.bounds[0]), np.minimum(right, self.bounds[1])
 
     def implied(self, strengths: Array, grades: Array) -> Array:
         """Grades of the conclusions cut off or scaled; arguments that broadcast."""

@@ -47,6 +47,11 @@ class Conclusion:
         )
         self._defuzzify = DEFUZZIFY[config.defuzzification]
 
+    @property
+    def size(self) -> int:
+        """Numbers in the largest array that a point needs."""
+        return self._aggregate.size
+
     def __call__(self, strengths: Array) -> tuple[Array, Array]:
         """The output and whether a rule fired.
 
