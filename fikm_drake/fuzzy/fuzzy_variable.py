@@ -76,7 +76,7 @@ class FuzzyVariable:
         """
         values = np.clip(np.asarray(x, dtype=float), self.lower, self.upper)
         stack = MembershipStack([self.memberships[label] for label in self.labels])
-        return np.moveaxis(stack.grades(values[None]), 0, -1)
+        return stack.grades(values.reshape(1, -1)).T.reshape(*values.shape, -1)
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value, unless this is a variable."""

@@ -21,20 +21,23 @@ class MembershipStack:
 
     def __init__(self, memberships: Sequence[Membership]) -> None:
         """Stacks valid memberships (n), at least one."""
-        bells = [isinstance(shape, Gaussian) for shape in memberships]
-        self._bells, self._cornered = np.flatnonzero(bells), np.flatnonzero(np.logical_not(bells))
-        corners = [shape.corners for shape in memberships if not isinstance(shape, Gaussian)]
-        self._edges = trapezoid_edges(np.reshape(corners, (-1, 4)).T)
+        bells = [shape for shape in memberships if isinstance(shape, Gaussian)]
+        cornered = [shape for shape in memberships if not isinstance(shape, Gaussian)]
+        self._is_bell = np.array([isinstance(shape, Gaussian) for shape in memberships])
+        self._means = np.reshape([(bell.mean, bell.sigma) for bell in bells], (-1, 2)).T
+        self._edges = trapezoid_edges(np.reshape([s.corners for s in cornered], (-1, 4)).T)
         left, rise, right, fall = self._edges
-        rounding = 4.0 * np.spacing(np.maximum(np.abs(left), np.abs(right)))
-        self._insides = np.stack([left + rounding, left + rise, right - rounding, right - fall])
-        means = [(shape.mean, shape.sigma) for shape in memberships if isinstance(shape, Gaussian)]
-        self._means = np.reshape(means, (-1, 2)).T
+        inside = 4.0 * np.spacing(np.maximum(np.abs(left), np.abs(right)))
+        self._cut_from = _columns([left + inside, rise, left + rise], 2)
+        self._cut_to = _columns([right - inside, fall, right - fall], 2)
+        # Ready to broadcast with values (n, N) and (n, K, N).
+        self._edges_of = {ndim: _columns(self._edges, ndim) for ndim in (2, 3)}
+        self._means_of = {ndim: _columns(self._means, ndim) for ndim in (2, 3)}
 
     @property
     def has_gaussian(self) -> bool:
         """Whether one of them is a Gaussian; the others are linear between corners."""
-        return self._bells.size > 0
+        return self._means.size > 0
 
     @property
     def flanks(self) -> Array:
@@ -49,20 +52,19 @@ class MembershipStack:
         """Grades of values.
 
         Args:
-            x: values of each membership, shape (n, ...), or the same for all, shape (1, ...).
+            x: values of each membership, shape (n, N) or (n, K, N); or the same for all, with 1 in
+                the place of n.
 
         Returns:
-            Grades, shape (n, ...).
+            Grades, shape (n, N) or (n, K, N).
         """
-        tail = (1,) * (x.ndim - 1)
-        edges = self._edges.reshape(4, -1, *tail)
+        edges = self._edges_of[x.ndim]
         if not self.has_gaussian:
             return trapezoid_grades(x, edges)
-        grades = np.empty((self._bells.size + self._cornered.size, *x.shape[1:]))
-        x = np.broadcast_to(x, grades.shape)
-        grades[self._cornered] = trapezoid_grades(x[self._cornered], edges)
-        means = self._means.reshape(2, -1, *tail)
-        grades[self._bells] = gaussian_grades(x[self._bells], means)
+        x = np.broadcast_to(x, (self._is_bell.size, *x.shape[1:]))
+        grades = np.empty(x.shape)
+        grades[~self._is_bell] = trapezoid_grades(x[~self._is_bell], edges)
+        grades[self._is_bell] = gaussian_grades(x[self._is_bell], self._means_of[x.ndim])
         return grades
 
     def cuts(self, level: Array) -> tuple[Array, Array]:
@@ -72,22 +74,29 @@ class MembershipStack:
         grade there is no less than the level, however low it is.
 
         Args:
-            level: one of each membership, in (0, 1], shape (n, N).
+            level: one of each membership, in [0, 1], shape (n, N).
 
         Returns:
-            Left and right ends, each of shape (n, N).
+            Left and right ends, each of shape (n, N); infinite for a Gaussian at level 0.
         """
-        first, top_left, last, top_right = self._insides[:, :, None]
-        _, rise, _, fall = self._edges[:, :, None]
-        cornered = level[self._cornered] if self.has_gaussian else level
-        left = np.minimum(first + cornered * rise, top_left)
-        right = np.maximum(last - cornered * fall, top_right)
         if not self.has_gaussian:
-            return left, right
-        mean, sigma = self._means[:, :, None]
+            return self._cuts_of_cornered(level)
+        ends = np.empty((2, *level.shape))
+        ends[:, ~self._is_bell] = self._cuts_of_cornered(level[~self._is_bell])
+        mean, sigma = self._means_of[2]
         with np.errstate(divide="ignore"):
-            reach = sigma * np.sqrt(-2.0 * np.log(level[self._bells]))
-        order = np.argsort(np.concatenate([self._cornered, self._bells]))
-        return np.concatenate([left, mean - reach])[order], np.concatenate([right, mean + reach])[
-            order
-        ]
+            reach = sigma * np.sqrt(-2.0 * np.log(level[self._is_bell]))
+        ends[:, self._is_bell] = mean - reach, mean + reach
+        return ends[0], ends[1]
+
+    def _cuts_of_cornered(self, level: Array) -> tuple[Array, Array]:
+        left, rise, top_left = self._cut_from
+        right, fall, top_right = self._cut_to
+        return np.minimum(left + level * rise, top_left), np.maximum(
+            right - level * fall, top_right
+        )
+
+
+def _columns(rows: Sequence[Array] | Array, ndim: int) -> tuple[Array, ...]:
+    """Each row (n,) with shape (n, 1, …) of so many dimensions."""
+    return tuple(np.reshape(row, (-1, *(1,) * (ndim - 1))) for row in rows)

@@ -1,6 +1,7 @@
 """Shapes of memberships as data: triangle, trapezoid, Gaussian."""
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
 from math import inf, nan
 
@@ -162,8 +163,8 @@ def trapezoid_edges(corners: ArrayLike) -> Array:
     return np.stack([left, top_left - left, right, right - top_right])
 
 
-def trapezoid_grades(x: Array, edges: Array) -> Array:
-    """Grades of x by trapezoids with `edges` (4, ...), each of which x broadcasts with."""
+def trapezoid_grades(x: Array, edges: Iterable[Array]) -> Array:
+    """Grades of x by trapezoids with four `edges`, each of which x broadcasts with."""
     left, rise, right, fall = edges
     grades, falling = x - left, right - x
     grades /= rise
@@ -173,7 +174,7 @@ def trapezoid_grades(x: Array, edges: Array) -> Array:
     return np.maximum(grades, 0.0, out=grades)
 
 
-def gaussian_grades(x: Array, parameters: Array) -> Array:
-    """Grades of x by Gaussians of (mean, sigma), shape (2, ...), each of which x broadcasts with."""
+def gaussian_grades(x: Array, parameters: Iterable[Array]) -> Array:
+    """Grades of x by Gaussians of mean and sigma, each of which x broadcasts with."""
     mean, sigma = parameters
     return np.exp(-0.5 * ((x - mean) / sigma) ** 2)
