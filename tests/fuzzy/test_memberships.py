@@ -94,7 +94,7 @@ def test_a_cut_ends_where_the_grade_is_the_level(members, level):
     ends = MembershipStack(members).cuts(np.full((len(members), 1), level))
     for shape, left, right in zip(members, *ends):
         assert left <= right
-        middle, outside = 0.5 * (left + right), 1e-6 * (right - left) + 1e-6
+        middle, outside = 0.5 * (left + right), 1e-3 * (right - left) + 1e-3
         assert shape(middle) >= level - 1e-9
         assert shape(left - outside) < level and shape(right + outside) < level
 
