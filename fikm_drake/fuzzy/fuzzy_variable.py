@@ -14,6 +14,8 @@ from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 NOT = "not "
 """Before a label in the premise of a rule: one minus its grade."""
+LEAST_WIDTH = 1e-9
+"""Of a membership, as a fraction of the range: what is narrower has no area to speak of."""
 
 
 @dataclass
@@ -21,8 +23,8 @@ class FuzzyVariable:
     """A quantity with named memberships.
 
     Raises:
-        ValueError: the range is empty or not finite, there is no membership, or one has no part of
-            its core or only a point of its support in the range (often a wrong unit).
+        ValueError: the range is empty or not finite, there is no membership, or one does not reach
+            grade 1 in the range (often a wrong unit) or is a mere point there.
     """
 
     name: str = ""
@@ -109,9 +111,11 @@ class FuzzyVariable:
                 shape.validate()
             except ValueError as error:
                 raise ValueError(f"{where}, membership {label!r}: {error}") from error
-            inside = shape.core[0] <= self.upper and shape.core[1] >= self.lower
-            if not inside or shape.support[0] >= self.upper or shape.support[1] <= self.lower:
+            (start, end), (first, last) = shape.support, shape.core
+            width = min(end, self.upper) - max(start, self.lower)
+            tops = first <= self.upper and last >= self.lower
+            if not tops or width < LEAST_WIDTH * (self.upper - self.lower):
                 raise ValueError(
                     f"{where}: membership {label!r} must reach grade 1 in the range "
-                    f"[{self.lower}, {self.upper}], got {shape}"
+                    f"[{self.lower}, {self.upper}], and not be a point there, got {shape}"
                 )

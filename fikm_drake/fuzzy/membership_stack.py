@@ -25,11 +25,14 @@ class MembershipStack:
         cornered = [shape for shape in memberships if not isinstance(shape, Gaussian)]
         self._is_bell = np.array([isinstance(shape, Gaussian) for shape in memberships])
         self._means = np.reshape([(bell.mean, bell.sigma) for bell in bells], (-1, 2)).T
-        self._edges = trapezoid_edges(np.reshape([s.corners for s in cornered], (-1, 4)).T)
+        self._bell_supports = np.reshape([bell.support for bell in bells], (-1, 2)).T
+        corners = np.reshape([shape.corners for shape in cornered], (-1, 4)).T
+        self._edges = trapezoid_edges(corners)
+        self._tops = corners[1:3]
         left, rise, right, fall = self._edges
         inside = 4.0 * np.spacing(np.maximum(np.abs(left), np.abs(right)))
-        self._cut_from = _columns([left + inside, rise, left + rise], 2)
-        self._cut_to = _columns([right - inside, fall, right - fall], 2)
+        self._cut_from = _columns([left + inside, rise, corners[1]], 2)
+        self._cut_to = _columns([right - inside, fall, corners[2]], 2)
         # Ready to broadcast with values (n, N) and (n, K, N).
         self._edges_of = {ndim: _columns(self._edges, ndim) for ndim in (2, 3)}
         self._means_of = {ndim: _columns(self._means, ndim) for ndim in (2, 3)}
@@ -41,11 +44,10 @@ class MembershipStack:
 
     @property
     def flanks(self) -> Array:
-        """Foot and top of every slope, shape (k, 2). The foot of a Gaussian is at six sigmas."""
-        left, rise, right, fall = self._edges
-        mean, sigma = self._means
-        feet = [left, right, mean - 6.0 * sigma, mean + 6.0 * sigma]
-        tops = [left + rise, right - fall, mean, mean]
+        """Foot and top of every slope, shape (k, 2)."""
+        left, _, right, _ = self._edges
+        feet = [left, right, *self._bell_supports]
+        tops = [*self._tops, self._means[0], self._means[0]]
         return np.stack([np.concatenate(feet), np.concatenate(tops)], axis=1)
 
     def grades(self, x: Array) -> Array:

@@ -74,6 +74,7 @@ def test_from_a_partition(gaps, x):
         ({"memberships": {"": Triangle(0, 1, 2)}}, "a label must not be empty"),
         ({"memberships": {"not far": Triangle(0, 1, 2)}}, "or begin with 'not '"),
         ({"memberships": {"deg": Triangle(0, 45, 90)}}, r"'deg' must reach grade 1 in the range"),
+        ({"memberships": {"spike": Gaussian(1.0, 1e-11)}}, "'spike' must .* not be a point there"),
         ({"memberships": {"edge": Triangle(-1, 0, 0)}}, r"'edge' must reach grade 1 in the range"),
     ],
 )

@@ -1,5 +1,6 @@
 """Rules to read."""
 
+from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.text_table import aligned
 
@@ -49,5 +50,5 @@ def rule_grid(config: MamdaniConfig, output: str | None) -> str:
     return aligned(rows)
 
 
-def _parts(variables: list, labels: dict[str, str], joint: str) -> str:
+def _parts(variables: list[FuzzyVariable], labels: dict[str, str], joint: str) -> str:
     return joint.join(f"{v.name} is {labels[v.name]}" for v in variables if v.name in labels)

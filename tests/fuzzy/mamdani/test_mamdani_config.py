@@ -30,7 +30,11 @@ def extra_rule(*arguments, **options):
         ),
         (lambda config: setattr(config, "aggregation", "max"), "aggregation must be one of"),
         (lambda config: setattr(config, "defuzzification", "mom"), "got 'mom'"),
-        (lambda config: setattr(config, "samples", 1), "samples must be at least 2, got 1"),
+        (
+            lambda config: setattr(config, "samples", 1),
+            "samples must be an integer, at least 2, got 1",
+        ),
+        (lambda config: setattr(config, "samples", 9.5), "at least 2, got 9.5"),
         (
             lambda config: setattr(config.inputs[1], "name", "x"),
             r"names of variables must differ from one another, got \['x', 'x', 'angle', 'speed'\]",

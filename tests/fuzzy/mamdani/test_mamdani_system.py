@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -250,6 +251,12 @@ def test_does_not_change(make_config):
     np.testing.assert_array_equal(system(POINTS).values, before)
     assert system.config == make_config()
     assert repr(system) == "<MamdaniSystem angle, speed(x, y), 6 rules>"
+
+
+def test_goes_to_another_process(make_config):
+    system = MamdaniSystem(make_config(norm="product"))
+    again = pickle.loads(pickle.dumps(system))
+    np.testing.assert_array_equal(again(POINTS).values, system(POINTS).values)
 
 
 def test_does_not_write_into_its_input(make_config):
