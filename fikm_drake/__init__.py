@@ -20,6 +20,8 @@ from fikm_drake.fuzzy.mamdani import (
     MamdaniConfig,
     MamdaniSystem,
     load_mamdani,
+    plot_memberships,
+    plot_surface,
 )
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
@@ -106,6 +108,8 @@ __all__ = [
     "load_mamdani",
     "load_scenario",
     "plot_log",
+    "plot_memberships",
+    "plot_surface",
     "simulate",
     "solve_batch",
     "write_html",

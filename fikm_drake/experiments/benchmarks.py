@@ -3,7 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments import (
+    batch_benchmark,
+    mamdani_benchmark,
+    pose_benchmark,
+    step_benchmark,
+)
 from fikm_drake.experiments.labvolt import benchmark as labvolt_benchmark
 
 Progress = Callable[[float], None]
@@ -35,6 +40,12 @@ BENCHMARKS = {
     ),
     "labvolt": Benchmark(
         "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table
+    ),
+    "mamdani": Benchmark(
+        "Mamdani inference, beside scikit-fuzzy where installed",
+        "rounds",
+        10,
+        mamdani_benchmark.table,
     ),
 }
 """Benchmarks by name."""

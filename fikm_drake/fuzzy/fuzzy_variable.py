@@ -2,17 +2,20 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.fuzzy.checks import check_finite
 from fikm_drake.fuzzy.membership_stack import MembershipStack
 from fikm_drake.fuzzy.memberships import Membership, Triangle
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 NOT = "not "
 """Before a label in the premise of a rule: one minus its grade."""
+LEAST_WIDTH = 1e-9
+"""Of a membership, as a fraction of the range: what is narrower has no area to speak of."""
 
 
 @dataclass
@@ -20,8 +23,8 @@ class FuzzyVariable:
     """A quantity with named memberships.
 
     Raises:
-        ValueError: the range is empty or not finite, there is no membership, or one has no part of
-            its core or only a point of its support in the range (often a wrong unit).
+        ValueError: the range is empty or not finite, there is no membership, or one does not reach
+            grade 1 in the range (often a wrong unit) or is a mere point there.
     """
 
     name: str = ""
@@ -48,7 +51,9 @@ class FuzzyVariable:
         """A variable whose memberships are the triangles of a partition, which sum to one."""
         knots = partition.knots.tolist()
         corners = zip([knots[0], *knots], knots, [*knots[1:], knots[-1]])
-        triangles = {label: Triangle(*abc) for label, abc in zip(partition.labels, corners)}
+        triangles: dict[str, Membership] = {
+            label: Triangle(*abc) for label, abc in zip(partition.labels, corners)
+        }
         return cls(name, unit, knots[0], knots[-1], triangles)
 
     @property
@@ -73,34 +78,44 @@ class FuzzyVariable:
         """
         values = np.clip(np.asarray(x, dtype=float), self.lower, self.upper)
         stack = MembershipStack([self.memberships[label] for label in self.labels])
-        return np.moveaxis(stack.grades(values[None]), 0, -1)
+        return stack.grades(values.reshape(1, -1)).T.reshape(*values.shape, -1)
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value, unless this is a variable."""
         where = f"variable {self.name!r}"
         if not self.name:
             raise ValueError("a variable needs a name")
-        if not (isfinite(self.lower) and isfinite(self.upper) and self.lower < self.upper):
+        self.lower = check_finite(f"{where}: lower", self.lower)
+        self.upper = check_finite(f"{where}: upper", self.upper)
+        if not self.lower < self.upper:
             raise ValueError(
-                f"{where}: lower must be less than upper, both finite, "
-                f"got {self.lower!r} and {self.upper!r}"
+                f"{where}: lower must be less than upper, got {self.lower} and {self.upper}"
             )
         if not self.memberships:
             raise ValueError(f"{where}: needs at least one membership")
-        if self.default is not None and not self.lower <= self.default <= self.upper:
-            raise ValueError(
-                f"{where}: default must be in [{self.lower}, {self.upper}], got {self.default!r}"
-            )
+        if self.default is not None:
+            self.default = check_finite(f"{where}: default", self.default)
+            if not self.lower <= self.default <= self.upper:
+                raise ValueError(
+                    f"{where}: default must be in [{self.lower}, {self.upper}], got {self.default}"
+                )
         for label, shape in self.memberships.items():
             if not label or label.startswith(NOT):
                 raise ValueError(f"{where}: a label must not be empty or begin with {NOT!r}")
+            if not isinstance(shape, Membership):
+                raise ValueError(
+                    f"{where}: membership {label!r} must be a Triangle, Trapezoid or Gaussian, "
+                    f"got {shape!r}"
+                )
             try:
                 shape.validate()
             except ValueError as error:
                 raise ValueError(f"{where}, membership {label!r}: {error}") from error
-            inside = shape.core[0] <= self.upper and shape.core[1] >= self.lower
-            if not inside or shape.support[0] >= self.upper or shape.support[1] <= self.lower:
+            (start, end), (first, last) = shape.support, shape.core
+            width = min(end, self.upper) - max(start, self.lower)
+            tops = first <= self.upper and last >= self.lower
+            if not tops or width < LEAST_WIDTH * (self.upper - self.lower):
                 raise ValueError(
                     f"{where}: membership {label!r} must reach grade 1 in the range "
-                    f"[{self.lower}, {self.upper}], got {shape}"
+                    f"[{self.lower}, {self.upper}], and not be a point there, got {shape}"
                 )

@@ -9,7 +9,7 @@ from fikm_drake.fuzzy.memberships import (
     Gaussian,
     Membership,
     gaussian_grades,
-    sloped,
+    trapezoid_edges,
     trapezoid_grades,
 )
 
@@ -21,56 +21,84 @@ class MembershipStack:
 
     def __init__(self, memberships: Sequence[Membership]) -> None:
         """Stacks valid memberships (n), at least one."""
-        bells = [isinstance(shape, Gaussian) for shape in memberships]
-        self._bells, self._cornered = np.flatnonzero(bells), np.flatnonzero(np.logical_not(bells))
-        corners = [shape.corners for shape in memberships if not isinstance(shape, Gaussian)]
-        self._corners = sloped(np.reshape(corners, (-1, 4)).T)
-        means = [(shape.mean, shape.sigma) for shape in memberships if isinstance(shape, Gaussian)]
-        self._means = np.reshape(means, (-1, 2)).T
+        bells = [shape for shape in memberships if isinstance(shape, Gaussian)]
+        cornered = [shape for shape in memberships if not isinstance(shape, Gaussian)]
+        self._is_bell = np.array([isinstance(shape, Gaussian) for shape in memberships])
+        self._means = np.reshape([(bell.mean, bell.sigma) for bell in bells], (-1, 2)).T
+        self._bell_supports = np.reshape([bell.support for bell in bells], (-1, 2)).T
+        corners = np.reshape([shape.corners for shape in cornered], (-1, 4)).T
+        self._edges = trapezoid_edges(corners)
+        self._tops = corners[1:3]
+        left, rise, right, fall = self._edges
+        inside = 4.0 * np.spacing(np.maximum(np.abs(left), np.abs(right)))
+        self._cut_from = _columns([left + inside, rise, corners[1]], 2)
+        self._cut_to = _columns([right - inside, fall, corners[2]], 2)
+        # Ready to broadcast with values (n, N) and (n, K, N).
+        self._edges_of = {ndim: _columns(self._edges, ndim) for ndim in (2, 3)}
+        self._means_of = {ndim: _columns(self._means, ndim) for ndim in (2, 3)}
 
     @property
     def has_gaussian(self) -> bool:
         """Whether one of them is a Gaussian; the others are linear between corners."""
-        return self._bells.size > 0
+        return self._means.size > 0
+
+    @property
+    def flanks(self) -> Array:
+        """Foot and top of every slope, shape (k, 2)."""
+        left, _, right, _ = self._edges
+        feet = [left, right, *self._bell_supports]
+        tops = [*self._tops, self._means[0], self._means[0]]
+        return np.stack([np.concatenate(feet), np.concatenate(tops)], axis=1)
 
     def grades(self, x: Array) -> Array:
         """Grades of values.
 
         Args:
-            x: values of each membership, shape (n, ...), or the same for all, shape (1, ...).
+            x: values of each membership, shape (n, N) or (n, K, N); or the same for all, with 1 in
+                the place of n.
 
         Returns:
-            Grades, shape (n, ...).
+            Grades, shape (n, N) or (n, K, N).
         """
-        tail = (1,) * (x.ndim - 1)
-        corners = self._corners.reshape(4, -1, *tail)
+        edges = self._edges_of[x.ndim]
         if not self.has_gaussian:
-            return trapezoid_grades(x, corners)
-        grades = np.empty((self._bells.size + self._cornered.size, *x.shape[1:]))
-        x = np.broadcast_to(x, grades.shape)
-        grades[self._cornered] = trapezoid_grades(x[self._cornered], corners)
-        means = self._means.reshape(2, -1, *tail)
-        grades[self._bells] = gaussian_grades(x[self._bells], means)
+            return trapezoid_grades(x, edges)
+        x = np.broadcast_to(x, (self._is_bell.size, *x.shape[1:]))
+        grades = np.empty(x.shape)
+        grades[~self._is_bell] = trapezoid_grades(x[~self._is_bell], edges)
+        grades[self._is_bell] = gaussian_grades(x[self._is_bell], self._means_of[x.ndim])
         return grades
 
     def cuts(self, level: Array) -> tuple[Array, Array]:
-        """Ends of the intervals where the grades are at least a level in [0, 1].
+        """Ends of the intervals where the grades are at least a level.
+
+        The ends are more than a rounding error inside the intervals, where these are wider: so the
+        grade there is no less than the level, however low it is.
 
         Args:
-            level: one of each membership, shape (n, N).
+            level: one of each membership, in [0, 1], shape (n, N).
 
         Returns:
             Left and right ends, each of shape (n, N); infinite for a Gaussian at level 0.
         """
-        first, top_left, top_right, last = self._corners[:, :, None]
         if not self.has_gaussian:
-            return first + level * (top_left - first), last - level * (last - top_right)
-        left, right = np.empty(level.shape), np.empty(level.shape)
-        cornered, bells = level[self._cornered], level[self._bells]
-        left[self._cornered] = first + cornered * (top_left - first)
-        right[self._cornered] = last - cornered * (last - top_right)
-        mean, sigma = self._means[:, :, None]
+            return self._cuts_of_cornered(level)
+        ends = np.empty((2, *level.shape))
+        ends[:, ~self._is_bell] = self._cuts_of_cornered(level[~self._is_bell])
+        mean, sigma = self._means_of[2]
         with np.errstate(divide="ignore"):
-            reach = sigma * np.sqrt(-2.0 * np.log(bells))
-        left[self._bells], right[self._bells] = mean - reach, mean + reach
-        return left, right
+            reach = sigma * np.sqrt(-2.0 * np.log(level[self._is_bell]))
+        ends[:, self._is_bell] = mean - reach, mean + reach
+        return ends[0], ends[1]
+
+    def _cuts_of_cornered(self, level: Array) -> tuple[Array, Array]:
+        left, rise, top_left = self._cut_from
+        right, fall, top_right = self._cut_to
+        return np.minimum(left + level * rise, top_left), np.maximum(
+            right - level * fall, top_right
+        )
+
+
+def _columns(rows: Sequence[Array] | Array, ndim: int) -> tuple[Array, ...]:
+    """Each row (n,) with shape (n, 1, …) of so many dimensions."""
+    return tuple(np.reshape(row, (-1, *(1,) * (ndim - 1))) for row in rows)

@@ -1,11 +1,14 @@
 """Shapes of memberships as data: triangle, trapezoid, Gaussian."""
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
-from math import inf, isfinite, nan
+from math import nan
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from fikm_drake.fuzzy.checks import check_finite
 
 Array = NDArray[np.float64]
 
@@ -21,16 +24,8 @@ class _Shape:
     def validate(self) -> None:
         """Raise ValueError, naming the bad number, unless all are finite."""
         for field in fields(self):
-            value = getattr(self, field.name)
-            try:
-                number = float(value)
-            except (TypeError, ValueError):
-                number = nan
-            if not isfinite(number):
-                raise ValueError(
-                    f"{type(self).__name__}: {field.name} must be a finite number, got {value!r}"
-                )
-            setattr(self, field.name, number)
+            name = f"{type(self).__name__}: {field.name}"
+            setattr(self, field.name, check_finite(name, getattr(self, field.name)))
 
 
 class _Cornered(_Shape):
@@ -60,7 +55,7 @@ class _Cornered(_Shape):
 
     def __call__(self, x: ArrayLike) -> Array:
         """Grades in [0, 1] of values of any shape; NaN where a value is NaN."""
-        return trapezoid_grades(np.asarray(x, dtype=float), sloped(np.array(self.corners)))
+        return trapezoid_grades(np.asarray(x, dtype=float)[None], trapezoid_edges(self.corners))[0]
 
 
 @dataclass
@@ -113,7 +108,7 @@ class Trapezoid(_Cornered):
 
 @dataclass
 class Gaussian(_Shape):
-    """exp(-½ ((x - mean) / sigma)²).
+    """exp(-½ ((x - mean) / sigma)²), nowhere zero: a rule about it fires a little everywhere.
 
     Raises:
         ValueError: a number is not finite, or sigma is not positive.
@@ -131,8 +126,8 @@ class Gaussian(_Shape):
 
     @property
     def support(self) -> tuple[float, float]:
-        """Where the grade is not zero: everywhere."""
-        return -inf, inf
+        """Where the grade is over 1.5e-8: from, to."""
+        return self.mean - 6.0 * self.sigma, self.mean + 6.0 * self.sigma
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad number, unless sigma is positive."""
@@ -149,32 +144,37 @@ Membership = Triangle | Trapezoid | Gaussian
 """A shape; in YAML `!Triangle` (which may be left out), `!Trapezoid` or `!Gaussian`."""
 
 
-def sloped(corners: Array) -> Array:
-    """Corners (4, ...) whose vertical edges are slopes, as wide as the spacing of doubles.
+def trapezoid_edges(corners: ArrayLike) -> Array:
+    """Edges of trapezoids: left end, width of the rise, right end, width of the fall.
 
-    So no edge needs a case of its own; the grade is one where the edge was.
+    A vertical edge becomes a slope as wide as the spacing of doubles, so that it needs no case of
+    its own; the grade is one where the edge was.
+
+    Args:
+        corners: shape (4, ...): left, top left, top right, right.
+
+    Returns:
+        Shape (4, ...), widths positive.
     """
-    left, top_left, top_right, right = corners
+    left, top_left, top_right, right = np.asarray(corners, dtype=float)
     spacing = np.spacing(np.maximum(np.abs(left), np.abs(right)))
-    return np.stack(
-        [
-            np.where(left == top_left, left - spacing, left),
-            top_left,
-            top_right,
-            np.where(right == top_right, right + spacing, right),
-        ]
-    )
+    left = np.where(left == top_left, left - spacing, left)
+    right = np.where(right == top_right, right + spacing, right)
+    return np.stack([left, top_left - left, right, right - top_right])
 
 
-def trapezoid_grades(x: Array, corners: Array) -> Array:
-    """Grades of x by trapezoids with `sloped` corners (4, ...), each of which x broadcasts with."""
-    left, top_left, top_right, right = corners
-    rising = (x - left) / (top_left - left)
-    falling = (right - x) / (right - top_right)
-    return np.maximum(np.minimum(np.minimum(rising, falling), 1.0), 0.0)
+def trapezoid_grades(x: Array, edges: Iterable[Array]) -> Array:
+    """Grades of x by trapezoids with four `edges`, each of which x broadcasts with."""
+    left, rise, right, fall = edges
+    grades, falling = x - left, right - x
+    grades /= rise
+    falling /= fall
+    np.minimum(grades, falling, out=grades)
+    np.minimum(grades, 1.0, out=grades)
+    return np.maximum(grades, 0.0, out=grades)
 
 
-def gaussian_grades(x: Array, parameters: Array) -> Array:
-    """Grades of x by Gaussians of (mean, sigma), shape (2, ...), each of which x broadcasts with."""
+def gaussian_grades(x: Array, parameters: Iterable[Array]) -> Array:
+    """Grades of x by Gaussians of mean and sigma, each of which x broadcasts with."""
     mean, sigma = parameters
     return np.exp(-0.5 * ((x - mean) / sigma) ** 2)

@@ -8,5 +8,14 @@ aggregation, defuzzification, once an output), and the default where no rule fir
 from fikm_drake.fuzzy.mamdani.load_mamdani import load_mamdani
 from fikm_drake.fuzzy.mamdani.mamdani_config import FuzzyRule, MamdaniConfig
 from fikm_drake.fuzzy.mamdani.mamdani_system import Inference, MamdaniSystem
+from fikm_drake.fuzzy.mamdani.plots import plot_memberships, plot_surface
 
-__all__ = ["FuzzyRule", "Inference", "MamdaniConfig", "MamdaniSystem", "load_mamdani"]
+__all__ = [
+    "FuzzyRule",
+    "Inference",
+    "MamdaniConfig",
+    "MamdaniSystem",
+    "load_mamdani",
+    "plot_memberships",
+    "plot_surface",
+]

@@ -23,9 +23,9 @@ class Conclusion:
 
     def __init__(self, variable: FuzzyVariable, config: MamdaniConfig) -> None:
         """Prepares an output of a valid config."""
-        ends = variable.lower, variable.upper
-        self._range = ends
-        self._default = sum(ends) / 2.0 if variable.default is None else variable.default
+        self._bounds = variable.lower, variable.upper
+        middle = 0.5 * (variable.lower + variable.upper)
+        self._default = middle if variable.default is None else variable.default
         cuts_off, adds = config.implication == "minimum", config.aggregation == "sum"
 
         name = variable.name
@@ -40,12 +40,17 @@ class Conclusion:
         self._unite = np.add if adds else np.maximum
         self._aggregate = Aggregate(
             [variable.memberships[labels[n]] for n in starts],
-            ends,
+            self._bounds,
             cuts_off=cuts_off,
             adds=adds,
             samples=config.samples,
         )
         self._defuzzify = DEFUZZIFY[config.defuzzification]
+
+    @property
+    def size(self) -> int:
+        """Numbers in the largest array that a point needs."""
+        return self._aggregate.size
 
     def __call__(self, strengths: Array) -> tuple[Array, Array]:
         """The output and whether a rule fired.
@@ -58,10 +63,14 @@ class Conclusion:
             no rule fired. Whether one did, shape (N,).
         """
         united = self._unite.reduceat(strengths[self._rules], self._starts, axis=0)
-        fired = united.max(axis=0) > LEAST_STRENGTH
+        fired = np.maximum.reduce(united) > LEAST_STRENGTH
+        if fired.all():
+            return self._value(united), fired
         values = np.full(fired.shape, self._default)
         if fired.any():
-            # A copy only where it is needed: mostly all have fired.
-            firing = united if fired.all() else united[:, fired]
-            values[fired] = np.clip(self._defuzzify(self._aggregate, firing), *self._range)
+            values[fired] = self._value(united[:, fired])
         return values, fired
+
+    def _value(self, strengths: Array) -> Array:
+        value = self._defuzzify(self._aggregate, strengths)
+        return np.minimum(np.maximum(value, self._bounds[0]), self._bounds[1])

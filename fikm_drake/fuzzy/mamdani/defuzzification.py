@@ -32,13 +32,12 @@ def centroid(aggregate: Aggregate, strengths: Array) -> Array:
         area, moment = aggregate.scaled @ strengths
     elif aggregate.adds and not aggregate.stack.has_gaussian:
         first, last = np.broadcast_to(aggregate.supports.T[..., None], (2, *strengths.shape))
-        left, right = aggregate.stack.cuts(strengths)
-        nodes = np.clip([first, left, right, last], *aggregate.range)
+        nodes = np.stack([first, *aggregate.tops(strengths), last])
         grades = aggregate.stack.grades(nodes.swapaxes(0, 1)).swapaxes(0, 1)
         heights = aggregate.implied(strengths, grades)
         area, moment = (integral_weights(nodes) * heights).sum(axis=(1, 2))
     else:
-        area, moment = aggregate.weights @ aggregate(strengths, aggregate.samples[:, :, None])
+        area, moment = aggregate.weights @ aggregate.on_grid(strengths)
     return moment / area
 
 
@@ -47,18 +46,14 @@ def mean_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
 
     Where it is greatest at points only, their mean. Exact, but for a sum with Gaussians.
     """
-    level = strengths if aggregate.cuts_off else np.ones(strengths.shape)
-    lower, upper = aggregate.range
-    left, right = (np.minimum(np.maximum(end, lower), upper) for end in aggregate.stack.cuts(level))
-    if aggregate.adds:
-        return _top_of_sum(aggregate, strengths, np.concatenate([left, right]))
-    return _top_of_maximum(aggregate, strengths, left, right)
+    return (_top_of_sum if aggregate.adds else _top_of_maximum)(aggregate, strengths)
 
 
-def _top_of_maximum(aggregate: Aggregate, strengths: Array, left: Array, right: Array) -> Array:
+def _top_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
     """The top is where the strongest conclusions are cut off, or their cores."""
+    left, right = aggregate.tops(strengths)
     strongest = strengths >= np.maximum.reduce(strengths) * (1.0 - TIE)
-    upper = aggregate.range[1]
+    upper = aggregate.bounds[1]
     # The union of intervals: the k-th end from the left closes what the k-th start or, if that is
     # further right, the end before has opened. The others are intervals of no width, out of the way.
     starts = np.sort(np.where(strongest, left, upper), axis=0)
@@ -67,33 +62,41 @@ def _top_of_maximum(aggregate: Aggregate, strengths: Array, left: Array, right: 
     return _centre(aggregate, starts, ends - starts, left, strongest)
 
 
-def _top_of_sum(aggregate: Aggregate, strengths: Array, nodes: Array) -> Array:
+def _top_of_sum(aggregate: Aggregate, strengths: Array) -> Array:
     """A sum of concave pieces is greatest between ends of cuts or of cores: the nodes.
 
     A sum with Gaussians is looked at on the grid too.
     """
+    nodes = np.concatenate(aggregate.tops(strengths))
     if aggregate.stack.has_gaussian:
         grid = np.broadcast_to(aggregate.grid[:, None], (aggregate.grid.size, nodes.shape[1]))
         nodes = np.concatenate([nodes, grid])
     nodes.sort(axis=0)
     widths = nodes[1:] - nodes[:-1]
     places = np.concatenate([nodes, nodes[:-1] + 0.5 * widths])
-    heights = aggregate(strengths, aggregate.stack.grades(places[None]))
-    top = heights >= np.maximum.reduce(heights) * (1.0 - TIE)
+    grades = aggregate.stack.grades(places[None])
+    heights = np.add.reduce(aggregate.implied(strengths[:, None], grades))
+    top = heights >= np.maximum.reduce(heights[: len(nodes)]) * (1.0 - TIE)
     # Between nodes the sum is convex: level if its middle is as high as its ends.
     ends, middles = top[: len(nodes)], top[len(nodes) :]
     return _centre(aggregate, nodes[:-1], widths * (ends[:-1] & ends[1:] & middles), nodes, ends)
 
 
 def _centre(
-    aggregate: Aggregate, starts: Array, widths: Array, points: Array, counted: NDArray[np.bool_]
+    aggregate: Aggregate, starts: Array, widths: Array, points: Array, on_top: NDArray[np.bool_]
 ) -> Array:
-    """Centre of disjoint intervals; where all are mere points, the mean of the counted points."""
+    """Centre of disjoint intervals; where all are mere points, the mean of the points on top."""
+    lower, upper = aggregate.bounds
+    least = TIE * (upper - lower)
     length = np.add.reduce(widths)
     moment = np.add.reduce(widths * (starts + 0.5 * widths))
-    is_long = length > TIE * (aggregate.range[1] - aggregate.range[0])
+    is_long = length > least
     if is_long.all():
         return moment / length
+    # Points in one place count once.
+    points = np.sort(np.where(on_top, points, 2.0 * lower - upper), axis=0)
+    counted = points >= lower
+    counted[1:] &= points[1:] - points[:-1] > least
     mean = np.add.reduce(points * counted) / np.add.reduce(counted)
     return np.where(is_long, moment / np.where(is_long, length, 1.0), mean)
 

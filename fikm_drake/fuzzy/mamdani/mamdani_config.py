@@ -3,6 +3,7 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
 from itertools import product
+from numbers import Integral
 
 from fikm_drake.fuzzy.fuzzy_variable import NOT, FuzzyVariable
 
@@ -55,7 +56,7 @@ class MamdaniConfig:
     defuzzification: str = "centroid"
     """`centroid`, `mean_of_maximum`, or `height`: the mean of cores weighted by strengths."""
     samples: int = 201
-    """Points of an output's range on which areas are computed."""
+    """Points of an output's range at which areas are sampled, if they are not exact."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
@@ -77,8 +78,8 @@ class MamdaniConfig:
                 raise ValueError(
                     f"{option} must be one of {choices}, got {getattr(self, option)!r}"
                 )
-        if self.samples < 2:
-            raise ValueError(f"samples must be at least 2, got {self.samples!r}")
+        if not isinstance(self.samples, Integral) or self.samples < 2:
+            raise ValueError(f"samples must be an integer, at least 2, got {self.samples!r}")
         if not self.rules:
             raise ValueError("needs at least one rule")
         for number, rule in enumerate(self.rules, start=1):
@@ -123,7 +124,7 @@ class MamdaniConfig:
 
 
 def _check_labels(
-    where: str, labels: dict[str, str], variables: list[FuzzyVariable], prefix: str
+    where: str, labels: dict[str, str], variables: list[FuzzyVariable], negation: str
 ) -> None:
     known = {variable.name: variable.labels for variable in variables}
     if not labels:
@@ -131,7 +132,7 @@ def _check_labels(
     for name, label in labels.items():
         if name not in known:
             raise ValueError(f"{where}: no variable {name!r}; there are: {', '.join(known)}")
-        if label.removeprefix(prefix) not in known[name]:
+        if label not in known[name] and label not in [negation + own for own in known[name]]:
             raise ValueError(
                 f"{where}: {name!r} has no label {label!r}; there are: {', '.join(known[name])}"
             )

@@ -15,8 +15,8 @@ from fikm_drake.fuzzy.mamdani.rule_text import rule_grid, rule_lines, rule_table
 
 Array = NDArray[np.float64]
 
-CHUNK = 512
-"""Points of a batch at a time: few enough for the arrays of a pass to stay in the cache."""
+CHUNK = 100_000
+"""Numbers in the largest array of one pass over a batch: few enough for the cache."""
 
 
 class Inference(NamedTuple):
@@ -46,7 +46,10 @@ class MamdaniSystem:
         config.validate()
         self._config = copy.deepcopy(config)
         self._premises = Premises(self._config.inputs, self._config.rules, config.norm)
-        self._conclusions = [Conclusion(variable, self._config) for variable in self._config.outputs]
+        self._conclusions = [
+            Conclusion(variable, self._config) for variable in self._config.outputs
+        ]
+        self._chunk = max(1, CHUNK // max(conclusion.size for conclusion in self._conclusions))
 
     @property
     def config(self) -> MamdaniConfig:
@@ -77,8 +80,8 @@ class MamdaniSystem:
         columns, shape = self._columns(inputs)
         values = np.empty((len(self._conclusions), columns.shape[1]))
         fired = np.empty(values.shape, dtype=bool)
-        for start in range(0, columns.shape[1], CHUNK):
-            part = slice(start, start + CHUNK)
+        for start in range(0, columns.shape[1], self._chunk):
+            part = slice(start, start + self._chunk)
             strengths = self._premises.strengths(columns[:, part])
             for row, conclusion in enumerate(self._conclusions):
                 values[row, part], fired[row, part] = conclusion(strengths)

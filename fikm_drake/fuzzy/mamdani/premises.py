@@ -11,11 +11,16 @@ from fikm_drake.fuzzy.membership_stack import MembershipStack
 
 Array = NDArray[np.float64]
 
+
+def _probabilistic_sum(a: Array, b: Array) -> Array:
+    return a + b - a * b
+
+
 _OPERATORS: dict[tuple[str, str], Callable[[Array, Array], Array]] = {
     ("minimum", "and"): np.minimum,
     ("minimum", "or"): np.maximum,
     ("product", "and"): np.multiply,
-    ("product", "or"): lambda a, b: a + b - a * b,
+    ("product", "or"): _probabilistic_sum,
 }
 
 

@@ -1,5 +1,6 @@
 """Rules to read."""
 
+from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.text_table import aligned
 
@@ -41,11 +42,13 @@ def rule_grid(config: MamdaniConfig, output: str | None) -> str:
         cells = [a]
         for b in second.labels:
             case = {first.name: a, second.name: b}
-            held = [rule.then[name] for rule in config.rules if name in rule.then and rule.holds(case)]
+            held = [
+                rule.then[name] for rule in config.rules if name in rule.then and rule.holds(case)
+            ]
             cells.append("/".join(dict.fromkeys(held)) or HOLE)
         rows.append(cells)
     return aligned(rows)
 
 
-def _parts(variables: list, labels: dict[str, str], joint: str) -> str:
+def _parts(variables: list[FuzzyVariable], labels: dict[str, str], joint: str) -> str:
     return joint.join(f"{v.name} is {labels[v.name]}" for v in variables if v.name in labels)

@@ -18,20 +18,22 @@ Array = NDArray[np.float64]
 Loss = Callable[[MamdaniSystem, float], float]
 Progress = Callable[[float], None]
 FIRST_PEAKS = {
-    THETA_3: (-90.0, -70.0, -45.0, 0.0, 30.0, 70.0, 15.0),
-    POSTURE: (20.0, 45.0, 100.0, -40.0, 20.0, 90.0, -60.0, 0.0, 60.0),
+    THETA_3: (-1.57, -1.22, -0.79, 0.0, 0.52, 1.22, 0.26),
+    POSTURE: (0.35, 0.79, 1.75, -0.7, 0.35, 1.57, -1.05, 0.0, 1.05),
 }
-"""Peaks of the outputs' memberships that the search starts from, in the order of the file [deg]."""
-HALF_WIDTH = {THETA_3: 30.0, POSTURE: 90.0}
-"""Of the outputs' triangles [deg]."""
-FAR, RANGE = 0.5, (-120.0, 150.0)
-"""Share of the trials that are drawn anew, at first, and from where [deg]; the others change the best."""
+"""Peaks of the outputs' memberships that the search starts from, in the order of the file [rad]."""
+HALF_WIDTH = {THETA_3: 0.52, POSTURE: 1.57}
+"""Of the outputs' triangles [rad]."""
+FAR, RANGE = 0.5, (-2.1, 2.6)
+"""Share of the trials that are drawn anew, at first, and from where [rad]; the others change the best."""
 WHAT = {THETA_3: "guesses of θ_3, mean", POSTURE: "targets that the SQP misses"}
 """What is made small."""
-APART = 10.0
-"""Neighbouring peaks are apart by this at least [deg]."""
-STEPS = (3.0, 25.0, 40.0)
-"""Standard deviation of a trial's change: least, first and greatest [deg]."""
+APART = 0.17
+"""Neighbouring peaks are apart by this at least [rad]."""
+STEPS = (0.05, 0.4, 0.7)
+"""Standard deviation of a trial's change: least, first and greatest [rad]."""
+DIGITS = 3
+"""Decimals of the peaks."""
 MOVED = 0.4
 """Share of the peaks that a trial moves [-]."""
 REACHED = 1e-9
@@ -143,13 +145,14 @@ def _with_peaks(config: MamdaniConfig, peaks: Array, half_width: float) -> Mamda
     for variable in config.outputs:
         for label in variable.memberships:
             peak = next(values)
-            variable.memberships[label] = Triangle(peak - half_width, peak, peak + half_width)
+            left, right = round(peak - half_width, DIGITS), round(peak + half_width, DIGITS)
+            variable.memberships[label] = Triangle(left, peak, right)
     return MamdaniSystem(config)
 
 
 def _apart(config: MamdaniConfig, peaks: Array, first: tuple[float, ...]) -> Array:
     """The peaks of each output in the order of the first ones, apart, and inside its range."""
-    ordered, start = np.round(peaks, 1), 0
+    ordered, start = np.round(peaks, DIGITS), 0
     for variable in config.outputs:
         own = slice(start, start + len(variable.memberships))
         ranks = np.argsort(np.argsort(first[own]))

@@ -21,8 +21,8 @@ class FuzzyStarts:
     by what the solvers make of them (`fikm-drake calibrate labvolt`).
 
     Args:
-        theta_3: x and y [m] to θ_3 [deg]; None: ours.
-        posture: distance [m] and bearing [deg] of the target to θ_1, θ_2, θ_3 [deg]; None: ours.
+        theta_3: x and y [m] to θ_3 [rad]; None: ours.
+        posture: distance [m] and bearing [rad] of the target to θ_1, θ_2, θ_3 [rad]; None: ours.
         fill_holes: table 1 has no rule for some targets. True: θ_3 is the bearing of the target
             there; False: −90°, as without rules.
 
@@ -55,7 +55,7 @@ class FuzzyStarts:
         """
         values, fired = self._theta_3(target.T)
         other = np.arctan2(target[1], target[0]) if self._fill_holes else FIRST_GUESS
-        return np.where(fired[:, 0], np.deg2rad(values[:, 0]), other), fired[:, 0]
+        return np.where(fired[:, 0], values[:, 0], other), fired[:, 0]
 
     def posture(self, target: Array) -> Array:
         """Start of the SQP.
@@ -66,10 +66,11 @@ class FuzzyStarts:
         Returns:
             Relative angles (3,N), inside the limits [rad].
         """
-        bearing = np.rad2deg(np.arctan2(target[1], target[0]))
-        bearing = np.where(bearing < -90.0, bearing + 360.0, bearing)  # behind the arm, from above
+        bearing = np.arctan2(target[1], target[0])
+        # A target behind and below the arm is reached over the top.
+        bearing = np.where(bearing < -0.5 * np.pi, bearing + 2.0 * np.pi, bearing)
         values, _ = self._posture(np.column_stack([np.hypot(*target), bearing]))
-        relative = np.diff(np.deg2rad(values.T), axis=0, prepend=0.0)
+        relative = np.diff(values.T, axis=0, prepend=0.0)
         return labvolt().clip(relative)
 
 
