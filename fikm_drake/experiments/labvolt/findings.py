@@ -106,6 +106,8 @@ def reach() -> Section:
     off = np.hypot(*(forward_kinematics(everywhere.angles[far]) - everywhere.nearest[far]).T)
     by_sqp = _nearest_by_sqp(square[far[:CHECKED]])
     apart = float(np.abs(by_sqp - everywhere.distance[far[:CHECKED]]).max())
+    inside = square[everywhere.success]
+    thin = int((~solve(inside, method="analytic").success).sum())
     told = bool((everywhere.success | (everywhere.status == LabVoltStatus.UNREACHABLE)).all())
     fell_back = int((cascade.status == LabVoltStatus.FELL_BACK).sum())
     cells = [
@@ -119,6 +121,7 @@ def reach() -> Section:
         Cell("cascade: solved only by a second or third start", None, fell_back),
         Cell(f"of {ANYWHERE} targets in a square: out of reach", None, len(far)),
         Cell("all others solved, exactly", None, "yes" if told else "no", told),
+        Cell("algorithm 1 in steps of 1°: of these missed, between two steps", None, thin),
         Cell("tool from the nearest point that is told, at most [m]", None, float(off.max())),
         Cell("nearest distance, from the best of SQP [m]", None, apart, apart <= DISTANCE),
     ]
