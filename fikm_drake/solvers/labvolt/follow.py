@@ -46,11 +46,11 @@ def follow(
         return last, LabVoltStatus.INVALID
     geometry, radius = labvolt(), hypot(x, y)
     point = np.array([radius - geometry.offset, z - geometry.height])
-    if hypot(*point.tolist()) > geometry.reach:
+    if hypot(*point.tolist()) > geometry.reach + tolerance:
         return last, LabVoltStatus.UNREACHABLE
     starts = fuzzy or default_starts()
     start = last[1:] if warm else starts.posture(point[:, None])[:, 0]
-    relative = program(geometry, solver).reach(point, start)
+    relative = program(solver).reach(point, start)
     status = LabVoltStatus.OK
     if not geometry.error(relative, point) <= tolerance:
         solution = solve(

@@ -2,7 +2,7 @@
 
 from functools import cache
 from itertools import accumulate
-from math import atan2, hypot, inf
+from math import atan2, hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,7 +118,7 @@ class LabVoltProgram:
     def _solve(self, program: "_Program", guess: Array) -> Array:
         """The three angles; those of the guess where SLSQP's quadratic program breaks down to NaN."""
         found = self._solver.Solve(program.prog, guess, self._options).get_x_val()
-        return (found if np.isfinite(found).all() else guess)[:3].copy()
+        return (found if isfinite(found.dot(found)) else guess)[:3].copy()
 
     def _inside(self, relative: Array) -> Array:
         return np.minimum(np.maximum(relative, self._lower), self._upper)

@@ -17,7 +17,8 @@ class LabVoltStatus(IntEnum):
     NOT_SOLVED = 2
     """Can be reached, but the method did not find how: a local minimum, or no guess of θ_3."""
     UNREACHABLE = 3
-    """Proven to be out of reach: the angles are those of the nearest reachable point."""
+    """Proven to be out of reach by more than the tolerance: the angles are those of the nearest reachable
+    point."""
     INVALID = 4
     """NaN, infinite or beyond 1e100 m: nothing was tried, the angles are the middle of the limits."""
 

@@ -17,8 +17,6 @@ from fikm_drake.solvers.labvolt.ways import METHODS, SQP_METHODS, Goals, Ways, p
 Array = NDArray[np.float64]
 TOLERANCE = 1e-9
 """Within this a target is reached [m]."""
-EDGE = 1e-12
-"""Out of reach by less than this counts as on the edge of it [m]."""
 CHUNK = 4096
 """Targets whose closed form is computed together."""
 MIDDLE = "middle"
@@ -74,7 +72,7 @@ def solve(
     geometry = labvolt()
     given = plane_targets(geometry, targets)
     wishes = _wishes(geometry, posture, len(given.given), method)
-    ways = Ways(geometry, fuzzy or default_starts(), program(geometry, solver), tolerance)
+    ways = Ways(geometry, fuzzy or default_starts(), program(solver), tolerance)
 
     count = len(given.valid)
     q = np.repeat(geometry.middle[:, None], count, axis=1)
@@ -89,7 +87,7 @@ def solve(
     if far.size:
         q[:, far], distance[far] = nearest(geometry, given.plane[:, far])
         exact[:, far], near[:, far], error[far] = q[:, far], geometry.tool(q[:, far]), distance[far]
-        status[far[distance[far] > EDGE]] = LabVoltStatus.UNREACHABLE
+        status[far[distance[far] > tolerance]] = LabVoltStatus.UNREACHABLE
     goals = Goals(given.plane, exact, wishes)
     for k, way in enumerate(METHODS[method]):
         left = np.flatnonzero(status == LabVoltStatus.NOT_SOLVED)

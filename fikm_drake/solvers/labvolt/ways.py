@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
-from fikm_drake.solvers.labvolt.geometry import Geometry
+from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.theta_3_search import FIRST_GUESS, theta_3_search
 
@@ -130,12 +130,12 @@ class _Programs(threading.local):
 _programs = _Programs()
 
 
-def program(geometry: Geometry, solver: str) -> LabVoltProgram:
-    """The thread's program.
+def program(solver: str) -> LabVoltProgram:
+    """The thread's program for the LabVolt 5250.
 
     Raises:
         ValueError: see `LabVoltProgram`.
     """
     if solver not in _programs.by_solver:
-        _programs.by_solver[solver] = LabVoltProgram(geometry, solver=solver)
+        _programs.by_solver[solver] = LabVoltProgram(labvolt(), solver=solver)
     return _programs.by_solver[solver]

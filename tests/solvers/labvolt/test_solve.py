@@ -198,6 +198,15 @@ def test_a_tighter_tolerance_than_can_be_is_not_solved():
     assert (solution.status == LabVoltStatus.NOT_SOLVED).any()
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_out_of_reach_by_less_than_the_tolerance_is_reached(method):
+    for tolerance, status in ((1e-3, LabVoltStatus.OK), (1e-5, LabVoltStatus.UNREACHABLE)):
+        solution = solve([0.7543 + 1e-4, 0.0], method=method, tolerance=tolerance)
+        assert solution.status[0] == status
+        assert solution.distance[0] == pytest.approx(1e-4)
+        assert solution.error[0] == pytest.approx(1e-4, rel=1e-4)
+
+
 @pytest.mark.parametrize("method", SQP_METHODS)
 def test_posture_near_the_last_one(method):
     """A wish moves the solution towards it and keeps it exact."""
