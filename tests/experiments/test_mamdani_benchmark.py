@@ -4,7 +4,13 @@ from importlib.util import find_spec
 
 import pytest
 
-from fikm_drake.experiments.mamdani_benchmark import CASES, OURS, PEER, mamdani_benchmark
+from fikm_drake.experiments.mamdani_benchmark import (
+    CASES,
+    OURS,
+    PEER,
+    mamdani_benchmark,
+    sampling_error,
+)
 
 
 def test_rows_of_the_benchmark():
@@ -22,6 +28,12 @@ def test_scikit_fuzzy_infers_the_same():
     apart = {cost.defuzzification: cost.difference for cost in costs if cost.engine == PEER}
     # Its mean of maximum is a mean of samples, which are 1/200 of the range apart.
     assert apart["centroid"] < 1e-4 and apart["mean_of_maximum"] < 2.5e-3
+
+
+def test_error_of_the_sampled_centroid():
+    """What the README says of the default of 201 samples."""
+    middle, greatest = sampling_error(points=500)
+    assert middle < 2e-5 and greatest < 1e-3
 
 
 def test_bad_counts():

@@ -114,9 +114,9 @@ class MamdaniConfig:
         """
         name = self.output(output).name
         rules = [rule for rule in self.rules if name in rule.then]
-        return [labels for labels in self.cases() if not any(r.holds(labels) for r in rules)]
+        return [labels for labels in self._cases() if not any(r.holds(labels) for r in rules)]
 
-    def cases(self) -> list[dict[str, str]]:
+    def _cases(self) -> list[dict[str, str]]:
         """All combinations of one label an input, the last input running fastest."""
         names = [variable.name for variable in self.inputs]
         labels = product(*(variable.labels for variable in self.inputs))

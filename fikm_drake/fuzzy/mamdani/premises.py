@@ -38,11 +38,11 @@ class Premises:
         self._lower = np.array([[variable.lower] for variable in inputs])
         self._upper = np.array([[variable.upper] for variable in inputs])
         self._negates = any(label.startswith(NOT) for rule in rules for label in rule.when.values())
-        self._size = len(rules)
 
         alike: dict[tuple[str, int], list[int]] = {}
         for number, rule in enumerate(rules):
             alike.setdefault((rule.join, len(rule.when)), []).append(number)
+        self._order = np.argsort(np.concatenate([*alike.values()]))
         self._groups = []
         for (join, _), numbers in alike.items():
             operands = np.array(
@@ -54,7 +54,7 @@ class Premises:
                     for number in numbers
                 ]
             ).T
-            self._groups.append((np.array(numbers), operands, _OPERATORS[norm, join]))
+            self._groups.append((operands, _OPERATORS[norm, join]))
 
     def strengths(self, x: Array) -> Array:
         """Strengths of the rules.
@@ -69,11 +69,12 @@ class Premises:
         grades = self._stack.grades(x[self._input])
         if self._negates:
             grades = np.concatenate([grades, 1.0 - grades])
-        strengths = np.empty((self._size, x.shape[1]))
-        for numbers, operands, operator in self._groups:
-            strength = grades[operands[0]]
+        groups = []
+        for operands, operator in self._groups:
+            group = grades[operands[0]]
             for operand in operands[1:]:
-                strength = operator(strength, grades[operand])
-            strengths[numbers] = strength
+                group = operator(group, grades[operand])
+            groups.append(group)
+        strengths = groups[0] if len(groups) == 1 else np.concatenate(groups)[self._order]
         strengths[np.isnan(strengths)] = 0.0
         return strengths
