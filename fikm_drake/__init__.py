@@ -21,6 +21,17 @@ from fikm_drake.diagrams.supervised_differential_ik import (
     SupervisedDifferentialIk,
 )
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
+from fikm_drake.fuzzy.mamdani import (
+    FuzzyRule,
+    Inference,
+    MamdaniConfig,
+    MamdaniSystem,
+    load_mamdani,
+    plot_memberships,
+    plot_surface,
+)
+from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.desk import Desk, load_desk
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -43,6 +54,7 @@ from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
+from fikm_drake.solvers import labvolt
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.desk_data import DeskData, load_desk_data
 from fikm_drake.solvers.desk_inverse import DeskInverse
@@ -58,6 +70,7 @@ from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.joint_reference import JointReference
+from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.status_monitor import StatusMonitor
@@ -79,11 +92,11 @@ __all__ = [
     "ConfigureParser",
     "ControllerStatus",
     "DampedLeastSquares",
-    "DetourPlanner",
-    "DetourState",
     "Desk",
     "DeskData",
     "DeskInverse",
+    "DetourPlanner",
+    "DetourState",
     "DhArm",
     "DhJoint",
     "DhTable",
@@ -95,19 +108,26 @@ __all__ = [
     "FuzzyIkTorqueController",
     "FuzzyMapping",
     "FuzzyRateControl",
+    "FuzzyRule",
+    "FuzzyVariable",
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
+    "Gaussian",
+    "Inference",
     "IntegerFuzzyIk",
     "IntegerFuzzyIkStatus",
     "IntegerFuzzyIkSystem",
     "JacobianTranspose",
     "JointIntegrator",
     "JointReference",
+    "LabVoltIk",
     "LastFinite",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
+    "MamdaniConfig",
+    "MamdaniSystem",
     "PseudoInverse",
     "RuleBase",
     "SimulationStopped",
@@ -118,14 +138,20 @@ __all__ = [
     "TrackingLog",
     "TrackingMetrics",
     "TrackingScenario",
+    "Trapezoid",
+    "Triangle",
     "TriangularPartition",
     "VariableGain",
     "generate_rule_base",
+    "labvolt",
     "load_arm",
     "load_desk",
     "load_desk_data",
+    "load_mamdani",
     "load_scenario",
     "plot_log",
+    "plot_memberships",
+    "plot_surface",
     "simulate",
     "solve_batch",
     "write_html",

@@ -23,10 +23,10 @@ def scenario(tmp_path):
     return str(path)
 
 
-def test_models_lists_arms_and_scenarios(capsys):
+def test_models_lists_arms_scenarios_and_fuzzy_systems(capsys):
     assert main(["models"]) == 0
     out = capsys.readouterr().out
-    for name in [*model_names(), *model_names("scenarios")]:
+    for name in [*model_names(), *model_names("scenarios"), *model_names("fuzzy")]:
         assert name in out
     assert "7 joints" in out and "standard convention" in out
 

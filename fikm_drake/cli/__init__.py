@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from fikm_drake.cli.benchmark import add_benchmark
+from fikm_drake.cli.calibrate import add_calibrate
 from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
@@ -37,6 +38,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    for add in (add_run, add_models, add_reproduce, add_benchmark, add_export_c):
+    for add in (add_run, add_models, add_reproduce, add_benchmark, add_export_c, add_calibrate):
         add(commands)
     return parser

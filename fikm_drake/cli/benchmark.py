@@ -2,6 +2,7 @@
 
 import argparse
 
+from fikm_drake.cli.counts import positive_count
 from fikm_drake.cli.exit_codes import OK
 from fikm_drake.cli.progress import progress
 from fikm_drake.experiments.benchmarks import BENCHMARKS
@@ -15,7 +16,11 @@ def add_benchmark(commands: "argparse._SubParsersAction") -> None:
         parser = what.add_parser(name, help=entry.help)
         count, default = entry.count, entry.default
         parser.add_argument(
-            f"--{count}", type=_count, default=default, dest="count", help=f"how many ({default})"
+            f"--{count}",
+            type=positive_count,
+            default=default,
+            dest="count",
+            help=f"how many ({default})",
         )
         parser.set_defaults(run=_run, entry=entry)
 
@@ -23,10 +28,3 @@ def add_benchmark(commands: "argparse._SubParsersAction") -> None:
 def _run(options: argparse.Namespace) -> int:
     print(options.entry.table(options.count, progress()))
     return OK
-
-
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"must be at least 1, got {number}")
-    return number

@@ -3,6 +3,7 @@
 import argparse
 
 from fikm_drake.cli.exit_codes import OK
+from fikm_drake.fuzzy.mamdani import load_mamdani
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import model_names, models_dir
 from fikm_drake.simulation.tracking_scenario import load_scenario
@@ -14,7 +15,9 @@ def add_models(commands: "argparse._SubParsersAction") -> None:
     urdf.add_argument("arm", help="name (see `fikm-drake models`) or path of a .yaml file")
     urdf.set_defaults(run=_urdf)
 
-    models = commands.add_parser("models", help="list the arms and the scenarios")
+    models = commands.add_parser(
+        "models", help="list the arms, the scenarios and the fuzzy systems"
+    )
     models.set_defaults(run=_models)
 
 
@@ -33,4 +36,10 @@ def _models(options: argparse.Namespace) -> int:
         scenario = load_scenario(name)
         arm, seconds = scenario.load_arm(), scenario.duration + scenario.hold
         print(f"  {name:12s} {arm.name}, {seconds:g} s at {scenario.control_rate:g} Hz")
+    print("fuzzy systems:")
+    for name in model_names("fuzzy"):
+        config = load_mamdani(name).config
+        inputs = ", ".join(variable.name for variable in config.inputs)
+        outputs = ", ".join(variable.name for variable in config.outputs)
+        print(f"  {name:12s} {inputs} to {outputs}, {len(config.rules)} rules")
     return OK

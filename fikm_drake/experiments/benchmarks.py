@@ -7,11 +7,13 @@ from fikm_drake.experiments import (
     batch_benchmark,
     cycle_benchmark,
     hard_benchmark,
+    mamdani_benchmark,
     pose_benchmark,
     rate_benchmark,
     step_benchmark,
     supervise_benchmark,
 )
+from fikm_drake.experiments.labvolt import benchmark as labvolt_benchmark
 
 Progress = Callable[[float], None]
 
@@ -54,6 +56,15 @@ BENCHMARKS = {
     ),
     "frmrc": Benchmark(
         "fuzzy rate control beside the pseudo-inverse, in batch", "rounds", 10, rate_benchmark.table
+    ),
+    "labvolt": Benchmark(
+        "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table
+    ),
+    "mamdani": Benchmark(
+        "Mamdani inference, beside scikit-fuzzy where installed",
+        "rounds",
+        10,
+        mamdani_benchmark.table,
     ),
 }
 """Benchmarks by name."""

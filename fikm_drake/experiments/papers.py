@@ -1,12 +1,13 @@
 """The papers that `fikm-drake reproduce` knows."""
 
-from fikm_drake.experiments import fikm, frmrc, integer
+from fikm_drake.experiments import fikm, frmrc, integer, labvolt
 from fikm_drake.experiments.report import Experiment
 
 PAPERS: dict[str, dict[str, Experiment]] = {
     "fikm": fikm.EXPERIMENTS,
     "frmrc": frmrc.EXPERIMENTS,
     "integer": integer.EXPERIMENTS,
+    "labvolt": labvolt.EXPERIMENTS,
 }
 """Experiments of each paper by name."""
 

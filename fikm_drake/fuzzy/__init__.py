@@ -1,4 +1,7 @@
-"""The fuzzy engine: memberships, Sugeno inference and the generation of rules. It knows no robot.
+"""The fuzzy engine: memberships, inference and the generation of rules. It knows no robot.
+
+`fuzzy.mamdani` has rules whose conclusions are memberships. The rest of this text is about rules
+whose conclusions are numbers.
 
 An input x is described by triangular memberships A_1 ... A_n, peaks at the knots x_1 < ... < x_n
 (`TriangularPartition`). Between two knots only their memberships are not zero,

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.fuzzy.text_table import aligned
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 
@@ -175,8 +176,4 @@ class RuleBase:
             [label, *(f"{round(w, digits) + 0.0:.{digits}f}" for w in row)]
             for label, row in zip(self._first.labels, self._rows)
         ]
-        lines = [header, *body]
-        widths = [max(map(len, column)) for column in zip(*lines)]
-        return "\n".join(
-            "  ".join(cell.rjust(width) for cell, width in zip(line, widths)) for line in lines
-        )
+        return aligned([header, *body])

@@ -1,0 +1,63 @@
+"""What `labvolt.solve` returns."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class LabVoltStatus(IntEnum):
+    """How one target ended."""
+
+    OK = 0
+    """Reached by the method's first way."""
+    FELL_BACK = 1
+    """Reached, but by a later way of the method."""
+    NOT_SOLVED = 2
+    """Can be reached, but the method did not find how: a local minimum, or no guess of θ_3."""
+    UNREACHABLE = 3
+    """Proven to be out of reach by more than the tolerance: the angles are those of the nearest reachable
+    point."""
+    INVALID = 4
+    """NaN, infinite or beyond 1e100 m: nothing was tried, the angles are the middle of the limits."""
+
+
+@dataclass(frozen=True)
+class LabVoltSolution:
+    """Angles for N targets, and how good they are."""
+
+    angles: NDArray[np.float64]
+    """(N,3) θ_1, θ_2, θ_3 from the horizontal [rad], inside the limits, never NaN."""
+    yaw: NDArray[np.float64]
+    """(N,) of the base, atan2(y, x) [rad]; zeros for targets in the arm's plane."""
+    success: NDArray[np.bool_]
+    """(N,): the tool is within the tolerance of the target, by forward kinematics."""
+    status: NDArray[np.int_]
+    """(N,): values of `LabVoltStatus`."""
+    error: NDArray[np.float64]
+    """(N,): distance of the tool from the target [m]; NaN for invalid targets."""
+    tries: NDArray[np.int_]
+    """(N,): guesses of θ_3 plus starts of the SQP; 0 where nothing had to be tried."""
+    nearest: NDArray[np.float64]
+    """(N,2) or (N,3), as the targets: the reachable point nearest to the target [m]; NaN for invalid
+    targets. The target itself where it can be reached."""
+    distance: NDArray[np.float64]
+    """(N,): of the target from `nearest` [m]: 0 where it can be reached, NaN for invalid targets."""
+
+    def __len__(self) -> int:
+        return len(self.angles)
+
+    @property
+    def joints(self) -> NDArray[np.float64]:
+        """(N,4) joint positions of `models/labvolt5250.yaml`: yaw and the relative angles [rad]."""
+        relative = np.diff(self.angles, axis=1, prepend=0.0)
+        return np.column_stack([self.yaw, relative])
+
+    def __repr__(self) -> str:
+        counts = ", ".join(
+            f"{np.count_nonzero(self.status == status)} {status.name.lower()}"
+            for status in LabVoltStatus
+            if (self.status == status).any()
+        )
+        return f"<LabVoltSolution: {counts or 'no targets'}>"
