@@ -17,6 +17,7 @@ from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
@@ -32,6 +33,12 @@ from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
+from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
+from fikm_drake.solvers.regions.feasible_intervals import (
+    feasible_interval_table,
+    feasible_intervals,
+)
+from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
 from fikm_drake.solvers.solve_batch import solve_batch
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
@@ -57,6 +64,7 @@ __all__ = [
     "DhJoint",
     "DhTable",
     "DhTransform",
+    "FeasibleInterval",
     "FusedFuzzyIk",
     "FuzzyIk",
     "FuzzyIkConfig",
@@ -65,11 +73,13 @@ __all__ = [
     "GainSupervision",
     "GainSupervisor",
     "GainSupervisorConfig",
+    "IntervalTable",
     "JacobianTranspose",
     "JointIntegrator",
     "Law",
     "LowPassFilter",
     "MakeFuzzyIkController",
+    "Planar3R",
     "PseudoInverse",
     "RuleBase",
     "SimulationStopped",
@@ -80,6 +90,9 @@ __all__ = [
     "TrackingScenario",
     "TriangularPartition",
     "VariableGain",
+    "closest_to_mid_range",
+    "feasible_interval_table",
+    "feasible_intervals",
     "generate_rule_base",
     "load_arm",
     "load_scenario",
