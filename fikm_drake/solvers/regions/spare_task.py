@@ -1,0 +1,154 @@
+"""The equations of a task that leaves one degree of freedom to spare."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
+
+from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
+from fikm_drake.kinematics.task import Task
+
+Array = NDArray[np.float64]
+SAMPLES = 8
+"""Random postures whose Jacobians tell what a task fixes."""
+RANK = 1e-9
+"""Singular values under this, relative to the largest, are zero."""
+WHOLE_TURN = 2.0 * np.pi - 1e-9
+
+
+class SpareTask:
+    """A task of an arm, or of a MultibodyPlant, that leaves one degree of freedom to spare.
+
+    Its equations are the rows of the task that the arm can move at all, so a planar arm may have
+    the task `pose`: its three rows count. Joints that do not move the tool (a gripper's) stay where
+    they are; the others are the *moving* joints, k of them, and there are k − 1 equations.
+
+    Args:
+        arm_or_plant: the arm, or a finalized plant.
+        task: the task, or its name with the usual characteristic length.
+        frame: name of the tool's frame in the plant.
+
+    Raises:
+        ValueError: the task leaves none or more than one degree of freedom; bad plant, frame, task.
+    """
+
+    def __init__(
+        self, arm_or_plant: DhArm | MultibodyPlant, task: str | Task, frame: str = "tool"
+    ) -> None:
+        is_arm = isinstance(arm_or_plant, DhArm)
+        plant = MakeDhArmPlant(arm_or_plant) if is_arm else arm_or_plant
+        check_plant(plant)
+        self.task = Task(task) if isinstance(task, str) else task
+        self._plant = plant
+        self._frame = frame_by_name(plant, frame)
+        self._world = plant.world_frame()
+        self._context = plant.CreateDefaultContext()
+        self.default_position: Array = np.array(plant.GetPositions(self._context))
+        """(n,) the plant's default positions [rad or m]."""
+        lower = np.array(plant.GetPositionLowerLimits())
+        upper = np.array(plant.GetPositionUpperLimits())
+        revolute = _revolute(plant)
+        self._set_rows(lower, upper)
+        self.num_joints = len(lower)
+        """n, all joints of the plant."""
+        self.lower, self.upper = lower[self.moving], upper[self.moving]
+        """(k,) limits of the moving joints [rad or m], infinite where there is none."""
+        self.revolute = revolute[self.moving]
+        """(k,): which moving joints turn."""
+
+    def _set_rows(self, lower: Array, upper: Array) -> None:
+        """Find the joints that move the tool, and the combinations of rows that they move."""
+        rows = self.task.rows
+        scale = np.array([self.task.characteristic_length] * 3 + [1.0] * 3)
+        select = np.diag(scale)[rows]
+        low, high = np.maximum(lower, -np.pi), np.minimum(upper, np.pi)
+        draws = np.random.default_rng(0).uniform(0.0, 1.0, (SAMPLES, len(lower)))
+        self.moving: NDArray[np.intp] = np.arange(len(lower))
+        """(k,) indices of the joints that move the tool."""
+        J = np.array([select @ self._jacobian(low + draw * (high - low)) for draw in draws])
+        largest = np.abs(J).max()
+        self.moving = np.flatnonzero(np.abs(J).max(axis=(0, 1)) > RANK * largest)
+        left, singular, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
+        rank = int(np.count_nonzero(singular > RANK * singular[0]))
+        spare = len(self.moving) - rank
+        if spare != 1:
+            raise ValueError(
+                f"task {self.task.name!r} fixes {rank} of the {len(self.moving)} degrees of freedom "
+                f"of the joints that move the tool and leaves {spare}; it must leave 1"
+            )
+        self._rows = select if rank == len(rows) else left[:, :rank].T @ select
+
+    def full(self, q: Array, start: Array) -> Array:
+        """Positions of all joints (…,n) from those of the moving ones (…,k), others as in `start`."""
+        every = np.broadcast_to(start, (*q.shape[:-1], self.num_joints)).copy()
+        every[..., self.moving] = q
+        return every
+
+    def pose(self, q: Array) -> RigidTransform:
+        """Pose of the tool at `q` (n,), in the world frame."""
+        self._plant.SetPositions(self._context, q)
+        return self._frame.CalcPoseInWorld(self._context)
+
+    def target(self, target: ArrayLike | RigidTransform) -> RigidTransform:
+        """A target as a pose; what the task does not count is arbitrary.
+
+        Raises:
+            ValueError: it is not what the task needs, or not finite.
+        """
+        if isinstance(target, RigidTransform):
+            matrix = target.GetAsMatrix4()
+        else:
+            matrix = np.asarray(target, dtype=float)
+        coordinates = self.task.coordinates
+        if not np.isfinite(matrix).all():
+            raise ValueError(f"target must be finite, got {target!r}")
+        if matrix.shape == (4, 4):
+            rotation = matrix[:3, :3]
+            if not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0.0, atol=1e-9):
+                raise ValueError(f"target must be a pose with an orthonormal rotation, got {target!r}")
+            return RigidTransform(RotationMatrix.ProjectToRotationMatrix(rotation), matrix[:3, 3])
+        if self.task.turns or matrix.shape != (len(coordinates),):
+            wanted = "a pose (4, 4)" if self.task.turns else f"{len(coordinates)} coordinates [m]"
+            raise ValueError(
+                f"target of task {self.task.name!r} must be {wanted} or joint positions "
+                f"({self.num_joints},), got shape {matrix.shape}"
+            )
+        position = np.zeros(3)
+        position[coordinates] = matrix
+        return RigidTransform(position)
+
+    def error_and_jacobian(self, target: RigidTransform, q: Array) -> tuple[Array, Array]:
+        """Error (k−1,) [m] and Jacobian (k−1,k) at all joints' positions (n,), rotations in m."""
+        J = self._jacobian(q)
+        X = self._frame.CalcPoseInWorld(self._context)
+        error = np.zeros(6)
+        error[3:] = target.translation() - X.translation()
+        if self.task.turns:
+            turn = target.rotation().multiply(X.rotation().inverse()).ToAngleAxis()
+            error[:3] = turn.angle() * turn.axis()
+        return self._rows @ error, self._rows @ J
+
+    def _jacobian(self, q: Array) -> Array:
+        self._plant.SetPositions(self._context, q)
+        J = self._plant.CalcJacobianSpatialVelocity(
+            self._context,
+            JacobianWrtVariable.kV,
+            self._frame,
+            np.zeros((3, 1)),
+            self._world,
+            self._world,
+        )
+        return J[:, self.moving]
+
+
+def _revolute(plant: MultibodyPlant) -> NDArray[np.bool_]:
+    """(n,): which positions are angles of revolute joints."""
+    turns = np.zeros(plant.num_positions(), dtype=bool)
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(JointIndex(int(index)))
+        if joint.num_positions() == 1:
+            turns[joint.position_start()] = joint.type_name() == "revolute"
+    return turns
