@@ -39,6 +39,12 @@ from fikm_drake.solvers.regions.feasible_intervals import (
     feasible_intervals,
 )
 from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
+from fikm_drake.solvers.regions.self_motion import (
+    SelfMotion,
+    SelfMotionComponent,
+    SelfMotionStatus,
+)
+from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer, trace_self_motion
 from fikm_drake.solvers.solve_batch import solve_batch
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.fuzzy_ik import FuzzyIk
@@ -82,6 +88,10 @@ __all__ = [
     "Planar3R",
     "PseudoInverse",
     "RuleBase",
+    "SelfMotion",
+    "SelfMotionComponent",
+    "SelfMotionStatus",
+    "SelfMotionTracer",
     "SimulationStopped",
     "StatusMonitor",
     "TaskError",
@@ -99,5 +109,6 @@ __all__ = [
     "plot_log",
     "simulate",
     "solve_batch",
+    "trace_self_motion",
     "write_html",
 ]

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ class Planar3R:
         self.offsets = wrap(turned + np.diff(along, prepend=0.0))
         """(3,) bent angles at q = 0 [rad]."""
         self.lower, self.upper = arm.lower, arm.upper
-        self.middle = _middle(self.lower, self.upper)
+        self.middle = middle_of_limits(self.lower, self.upper)
         """(3,) middle of the limits; half a turn from the only limit, zero without any [rad]."""
 
     def postures(self, points: ArrayLike, theta_1: ArrayLike) -> Array:
@@ -112,19 +113,3 @@ def triangle_angle(a: ArrayLike, b: ArrayLike, opposite: ArrayLike) -> Array:
         near = np.sqrt(np.where((near < 0.0) & (near > -slack), 0.0, near))
         far = np.sqrt(np.where((far < 0.0) & (far > -slack), 0.0, far))
     return 2.0 * np.arctan2(near, far)
-
-
-def wrap(angle: ArrayLike) -> Array:
-    """The same direction in [−π, π] [rad]."""
-    return np.asarray(angle) + nearest_turn(angle, 0.0)
-
-
-def nearest_turn(angle: ArrayLike, middle: ArrayLike) -> Array:
-    """The whole turns [rad] that bring an angle nearest to `middle`."""
-    return 2.0 * np.pi * np.round((np.asarray(middle) - np.asarray(angle)) / (2.0 * np.pi))
-
-
-def _middle(lower: Array, upper: Array) -> Array:
-    low = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper, 0.0) - 2 * np.pi)
-    high = np.where(np.isfinite(upper), upper, low + 2 * np.pi)
-    return np.where(np.isfinite(lower) | np.isfinite(upper), 0.5 * (low + high), 0.0)

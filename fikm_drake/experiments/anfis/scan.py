@@ -38,9 +38,7 @@ def scan_intervals(
     _, ends = np.nonzero(padded[:, :-1] & ~padded[:, 1:])
     ends -= 1
     last = grid.shape[1] - 1
-    lower = _bisect(
-        arm, points[rows], grid[rows, starts], grid[rows, np.maximum(starts - 1, 0)]
-    )
+    lower = _bisect(arm, points[rows], grid[rows, starts], grid[rows, np.maximum(starts - 1, 0)])
     upper = _bisect(arm, points[rows], grid[rows, ends], grid[rows, np.minimum(ends + 1, last)])
     return rows, lower, upper
 

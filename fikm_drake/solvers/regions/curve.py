@@ -13,8 +13,6 @@ ITERATIONS = 12
 """Newton steps at most."""
 CONVERGED = 1e-8
 """Newton's last step, at most [rad or m]: the error after it is the square of that."""
-RESIDUAL = 1e-12
-"""Largest error of a point on the curve [m]."""
 LEAST_COSINE = 0.95
 """Of the turn of the tangent in one step: 18 degrees."""
 FIRST_STEP = 0.03
@@ -31,6 +29,12 @@ class CurvePoint:
     """(k,) positions of the moving joints [rad or m]."""
     tangent: Array
     """(k,), of length 1, forward."""
+    orientation: float = 0.0
+    """Sign of the determinant of the Jacobian's rows and the tangent: the same all along a curve."""
+
+    def reversed(self) -> "CurvePoint":
+        """The same point, backward."""
+        return CurvePoint(self.q, -self.tangent, -self.orientation)
 
 
 class SelfMotionCurve:
@@ -52,6 +56,11 @@ class SelfMotionCurve:
         """Error (k−1,) [m] and Jacobian (k−1,k) at the moving joints' positions (k,)."""
         self._q[self.task.moving] = q
         return self.task.error_and_jacobian(self.target, self._q)
+
+    def is_met(self, q: Array) -> bool:
+        """Whether a point of the curve (k,) meets the rows that no joint moves, too."""
+        self._q[self.task.moving] = q
+        return self.task.is_met(self.target, self._q)
 
     def solve(self, q: Array, row: Array, value: float) -> CurvePoint | None:
         """The point of the curve near `q` (k,) with row · q = value, by Newton's method.
@@ -79,7 +88,8 @@ class SelfMotionCurve:
                 return None
             q = q + step
             if size < CONVERGED:
-                return CurvePoint(q, tangent / np.sqrt(tangent @ tangent))
+                orientation = float(np.sign(np.linalg.det(A)))
+                return CurvePoint(q, tangent / np.sqrt(tangent @ tangent), orientation)
         return None
 
     def point(self, q: Array) -> CurvePoint | None:
@@ -88,15 +98,21 @@ class SelfMotionCurve:
         null = np.linalg.svd(J)[2][-1]
         return self.solve(q, null, float(null @ q))
 
-    def advance(self, here: CurvePoint, before: CurvePoint | None, step: float) -> CurvePoint | None:
+    def advance(
+        self, here: CurvePoint, before: CurvePoint | None, step: float
+    ) -> CurvePoint | None:
         """The point about `step` ahead; None where the step is too long for the curve's bends."""
         ahead = step * here.tangent
         if before is not None:
             back = here.q - before.q
             ahead = ahead + (0.5 * step**2 / np.sqrt(back @ back)) * (here.tangent - before.tangent)
         guess = here.q + ahead
-        there = self.solve(guess, here.tangent, float(here.tangent @ (here.q + step * here.tangent)))
+        there = self.solve(
+            guess, here.tangent, float(here.tangent @ (here.q + step * here.tangent))
+        )
         if there is None or there.tangent @ here.tangent < LEAST_COSINE:
+            return None
+        if there.orientation != here.orientation:  # over to another branch that nearly meets this
             return None
         miss = there.q - guess
         return there if miss @ miss < (0.5 * step) ** 2 else None

@@ -1,5 +1,7 @@
 """Where a joint reaches a limit, or turns back, between two points of a self-motion."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +12,8 @@ HALVINGS = 60
 """At most."""
 ROUNDING = 1e-12
 """How far past a limit is none [rad or m]."""
-TURNED = 1e-9
-"""A joint has turned back where its element of the tangent is under this."""
+ZERO = 1e-9
+"""A root is found where the function, or the gap that holds it, is under this."""
 
 
 def first_limit(
@@ -43,26 +45,36 @@ def first_limit(
         (lower if side == "lower" else upper)[joint] = -np.inf if side == "lower" else np.inf
 
 
-def turning_point(
-    curve: SelfMotionCurve, here: CurvePoint, there: CurvePoint, joint: int
+def root_between(
+    curve: SelfMotionCurve,
+    here: CurvePoint,
+    there: CurvePoint,
+    function: Callable[[CurvePoint], float],
 ) -> CurvePoint:
-    """The point where a joint turns back, between two points with opposite signs of its motion."""
+    """The point where a function is zero, between two points where its signs differ."""
     low, high = 0.0, float(here.tangent @ (there.q - here.q))
-    at_low, at_high = float(here.tangent[joint]), float(there.tangent[joint])
+    at_low, at_high = function(here), function(there)
     point = here
     for _ in range(HALVINGS):
         # Regula falsi, kept off the ends, so that both of them close in.
         share = np.clip(at_low / (at_low - at_high), 0.05, 0.95)
         along = low + float(share) * (high - low)
         point = _at(curve, here, there, along)
-        value = float(point.tangent[joint])
-        if abs(value) < TURNED:
+        value = function(point)
+        if abs(value) < ZERO or high - low < ZERO:
             break
         if value * at_low > 0.0:
             low, at_low = along, value
         else:
             high, at_high = along, value
     return point
+
+
+def turning_point(
+    curve: SelfMotionCurve, here: CurvePoint, there: CurvePoint, joint: int
+) -> CurvePoint:
+    """The point where a joint turns back, between two points with opposite signs of its motion."""
+    return root_between(curve, here, there, lambda point: float(point.tangent[joint]))
 
 
 def _beyond_turning_point(
@@ -92,8 +104,7 @@ def _crossing(
         along = float(here.tangent @ (point.q - here.q))
         off = point.q - guess
         if -ROUNDING <= along <= here.tangent @ chord + ROUNDING and off @ off <= chord @ chord:
-            forward = 1.0 if point.tangent @ here.tangent > 0.0 else -1.0
-            return CurvePoint(point.q, forward * point.tangent)
+            return point if point.tangent @ here.tangent > 0.0 else point.reversed()
     # The joint nearly turns back there: halve instead.
     low, high = 0.0, float(here.tangent @ chord)
     outward = float(np.sign(there.q[joint] - limit))

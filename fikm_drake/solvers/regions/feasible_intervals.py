@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.kinematics.angles import TURN, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.planar_3r import Planar3R, triangle_angle, wrap
+from fikm_drake.kinematics.planar_3r import Planar3R, triangle_angle
 from fikm_drake.solvers.regions.interval_table import (
     END_NAMES,
     FULL_TURN,
@@ -21,7 +22,6 @@ SLIVER = 1e-13
 """Gaps between candidates under this are rounding [rad]."""
 EDGE = 1e-7
 """A posture this near to the limits [rad] counts where a point has no other: on the region's edge."""
-TURN = 2.0 * np.pi
 
 
 def feasible_intervals(arm: DhArm, point: ArrayLike) -> list[FeasibleInterval]:
@@ -166,7 +166,7 @@ def _joined_over_the_turn(found: Columns) -> Columns:
     """Intervals cut at ±π made whole, for a joint 1 that turns freely."""
     rows, lower, upper, lower_end, upper_end = (column.copy() for column in found)
     first = np.flatnonzero(np.diff(rows, prepend=-1))
-    last = np.append(first[1:], rows.size) - 1
+    last = np.flatnonzero(np.diff(rows, append=-1))
     cut = END_NAMES.index(FULL_TURN)
     joined = (last > first) & (lower_end[first] == cut) & (upper_end[last] == cut)
     upper[last[joined]] = upper[first[joined]] + TURN

@@ -7,6 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
 
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.task import Task
@@ -16,7 +17,8 @@ SAMPLES = 8
 """Random postures whose Jacobians tell what a task fixes."""
 RANK = 1e-9
 """Singular values under this, relative to the largest, are zero."""
-WHOLE_TURN = 2.0 * np.pi - 1e-9
+MET = 1e-9
+"""Error of a row that no joint moves [m]: more is out of reach."""
 
 
 class SpareTask:
@@ -38,8 +40,10 @@ class SpareTask:
     def __init__(
         self, arm_or_plant: DhArm | MultibodyPlant, task: str | Task, frame: str = "tool"
     ) -> None:
-        is_arm = isinstance(arm_or_plant, DhArm)
-        plant = MakeDhArmPlant(arm_or_plant) if is_arm else arm_or_plant
+        if isinstance(arm_or_plant, DhArm):
+            plant: MultibodyPlant = MakeDhArmPlant(arm_or_plant)
+        else:
+            plant = arm_or_plant
         check_plant(plant)
         self.task = Task(task) if isinstance(task, str) else task
         self._plant = plant
@@ -58,6 +62,8 @@ class SpareTask:
         """(k,) limits of the moving joints [rad or m], infinite where there is none."""
         self.revolute = revolute[self.moving]
         """(k,): which moving joints turn."""
+        self.middle = middle_of_limits(self.lower, self.upper)
+        """(k,) middle of the limits [rad or m]."""
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
@@ -80,6 +86,7 @@ class SpareTask:
                 f"of the joints that move the tool and leaves {spare}; it must leave 1"
             )
         self._rows = select if rank == len(rows) else left[:, :rank].T @ select
+        self._fixed = left[:, rank:].T @ select
 
     def full(self, q: Array, start: Array) -> Array:
         """Positions of all joints (…,n) from those of the moving ones (…,k), others as in `start`."""
@@ -108,7 +115,9 @@ class SpareTask:
         if matrix.shape == (4, 4):
             rotation = matrix[:3, :3]
             if not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0.0, atol=1e-9):
-                raise ValueError(f"target must be a pose with an orthonormal rotation, got {target!r}")
+                raise ValueError(
+                    f"target must be a pose with an orthonormal rotation, got {target!r}"
+                )
             return RigidTransform(RotationMatrix.ProjectToRotationMatrix(rotation), matrix[:3, 3])
         if self.task.turns or matrix.shape != (len(coordinates),):
             wanted = "a pose (4, 4)" if self.task.turns else f"{len(coordinates)} coordinates [m]"
@@ -123,13 +132,21 @@ class SpareTask:
     def error_and_jacobian(self, target: RigidTransform, q: Array) -> tuple[Array, Array]:
         """Error (k−1,) [m] and Jacobian (k−1,k) at all joints' positions (n,), rotations in m."""
         J = self._jacobian(q)
+        return self._rows @ self._error(target), self._rows @ J
+
+    def is_met(self, target: RigidTransform, q: Array) -> bool:
+        """Whether `q` (n,), with no error in the rows that move, has none in the others either."""
+        self._plant.SetPositions(self._context, q)
+        return bool(np.abs(self._fixed @ self._error(target)).max(initial=0.0) < MET)
+
+    def _error(self, target: RigidTransform) -> Array:
         X = self._frame.CalcPoseInWorld(self._context)
         error = np.zeros(6)
         error[3:] = target.translation() - X.translation()
         if self.task.turns:
             turn = target.rotation().multiply(X.rotation().inverse()).ToAngleAxis()
             error[:3] = turn.angle() * turn.axis()
-        return self._rows @ error, self._rows @ J
+        return error
 
     def _jacobian(self, q: Array) -> Array:
         self._plant.SetPositions(self._context, q)

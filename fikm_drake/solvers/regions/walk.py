@@ -1,6 +1,6 @@
 """A walk along a curve of self-motion, in one direction until it ends."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,4 +111,4 @@ def _closing(
     if point is None or point.tangent @ start.tangent < 0.5:
         return None
     same = np.abs(point.q - here.q - offset).max() < SAME
-    return CurvePoint(here.q + offset, start.tangent) if same else None
+    return replace(start, q=here.q + offset) if same else None
