@@ -13,6 +13,7 @@ radians, times in seconds.
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy.anfis import Anfis
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
@@ -33,6 +34,10 @@ from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
+from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
+from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
+from fikm_drake.solvers.redundancy.train_bounds import train_bounds
 from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
 from fikm_drake.solvers.regions.feasible_intervals import (
     feasible_interval_table,
@@ -52,6 +57,7 @@ from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.variable_gain import VariableGain
@@ -61,9 +67,10 @@ __version__ = "0.1.0"
 __all__ = [
     "AddDhArm",
     "AddFuzzyIkController",
-    "ConfigureParser",
+    "Anfis",
     "BatchSolution",
     "BatchStatus",
+    "ConfigureParser",
     "ControllerStatus",
     "DampedLeastSquares",
     "DhArm",
@@ -83,10 +90,15 @@ __all__ = [
     "JacobianTranspose",
     "JointIntegrator",
     "Law",
+    "LearnedBounds",
     "LowPassFilter",
     "MakeFuzzyIkController",
     "Planar3R",
     "PseudoInverse",
+    "RedundancyIk",
+    "RedundancyResolver",
+    "Resolution",
+    "ResolutionStatus",
     "RuleBase",
     "SelfMotion",
     "SelfMotionComponent",
@@ -110,5 +122,6 @@ __all__ = [
     "simulate",
     "solve_batch",
     "trace_self_motion",
+    "train_bounds",
     "write_html",
 ]

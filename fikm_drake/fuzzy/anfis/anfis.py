@@ -19,6 +19,10 @@ from fikm_drake.resources import load_yaml
 
 Array = NDArray[np.float64]
 RIDGE = 1e-12
+HELD = 1.1
+"""Scaled inputs are held within this: a little beyond the data the rules still hold, far away they do not."""
+BLOCK = 1 << 16
+"""Intermediate numbers of a prediction that are held at a time, so that they stay in the cache."""
 
 
 class Anfis:
@@ -26,8 +30,8 @@ class Anfis:
 
     Rules "IF x is A_i AND y is B_j THEN z = p + q x + r y", one for every choice of a membership of each
     input, with the product as AND and the weighted average as output. Memberships and coefficients are
-    learned. Inputs are scaled to [−1, 1] by the range of the training data; values beyond that
-    range count as the nearest end of it.
+    learned. Inputs are scaled to [−1, 1] by the range of the training data; values further than a
+    twentieth of that range outside count as the nearest that are not.
 
         anfis = fd.Anfis(memberships=(8, 8)).fit(X, Y, method="variable_projection")
         anfis.predict([[1.0, 2.0]])
@@ -167,12 +171,12 @@ class Anfis:
 
         self._lower, self._upper = lower, upper
         self._errors, self._validation_errors = [], []
-        unit = float(np.abs(Y).max()) or 1.0  # the damping of the training is for outputs of about 1
+        unit = (
+            float(np.abs(Y).max()) or 1.0
+        )  # the damping of the training is for outputs of about 1
         data = LeastSquares(self._scaled(X), Y / unit, ridge)
         start = KINDS[self._kind].start
-        network = Network(
-            KINDS[self._kind], tuple(start(m) for m in self.memberships), self.order
-        )
+        network = Network(KINDS[self._kind], tuple(start(m) for m in self.memberships), self.order)
         best = np.inf
         for epoch, state in zip(range(1, epochs + 1), METHODS[method](data, network)):
             error = unit * data.rms_error(*state)
@@ -298,9 +302,9 @@ class Anfis:
         return self._coefficients
 
     def _scaled(self, X: Array) -> Array:
-        """Inputs (d,N) in [−1, 1]."""
+        """Inputs (d,N), [−1, 1] for the range of the training data, held near it."""
         middle, half = 0.5 * (self._lower + self._upper), 0.5 * (self._upper - self._lower)
-        return np.clip((X.T - middle[:, None]) / half[:, None], -1.0, 1.0)
+        return np.clip((X.T - middle[:, None]) / half[:, None], -HELD, HELD)
 
     @staticmethod
     def _output(x: Array, network: Network, coefficients: Array) -> Array:
@@ -312,6 +316,3 @@ class Anfis:
             output[block] = network.output(x[:, block], coefficients)
         return output
 
-
-BLOCK = 1 << 16
-"""Intermediate numbers of a prediction that are held at a time, so that they stay in the cache."""

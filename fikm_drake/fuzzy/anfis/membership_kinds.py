@@ -84,7 +84,7 @@ class Bell:
 
     @staticmethod
     def _log_distance(x: Array, parameters: Array) -> Array:
-        """log |(x − c) / a|, held above that of the smallest double, so that it is finite at c."""
+        """Log |(x − c) / a|, held above that of the smallest double, so that it is finite at c."""
         centers, log_widths, _ = parameters[:, :, None]
         return np.log(np.maximum(np.abs(x - centers), np.finfo(float).tiny)) - log_widths
 

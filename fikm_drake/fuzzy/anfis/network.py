@@ -59,7 +59,8 @@ class Network:
     def shares(self, x: Array) -> list[Array]:
         """Normalised memberships (m_k,N) of every input, from inputs (d,N)."""
         return [
-            _normalised(self.kind.log_grades(row, premise)) for row, premise in zip(x, self.premises)
+            _normalised(self.kind.log_grades(row, premise))
+            for row, premise in zip(x, self.premises)
         ]
 
     def regressors(self, x: Array) -> Array:
