@@ -34,11 +34,14 @@ from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scena
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
+from fikm_drake.solvers.regions.feasibility_data import FeasibilityData
 from fikm_drake.solvers.regions.feasible_intervals import (
     feasible_interval_table,
     feasible_intervals,
 )
+from fikm_drake.solvers.regions.generate_feasibility_data import generate_feasibility_data
 from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
+from fikm_drake.solvers.regions.minimum_norm_path import minimum_norm_path
 from fikm_drake.solvers.regions.self_motion import (
     SelfMotion,
     SelfMotionComponent,
@@ -70,6 +73,7 @@ __all__ = [
     "DhJoint",
     "DhTable",
     "DhTransform",
+    "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
     "FuzzyIk",
@@ -103,9 +107,11 @@ __all__ = [
     "closest_to_mid_range",
     "feasible_interval_table",
     "feasible_intervals",
+    "generate_feasibility_data",
     "generate_rule_base",
     "load_arm",
     "load_scenario",
+    "minimum_norm_path",
     "plot_log",
     "simulate",
     "solve_batch",
