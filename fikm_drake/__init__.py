@@ -39,11 +39,14 @@ from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
 from fikm_drake.solvers.redundancy.train_bounds import train_bounds
 from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
+from fikm_drake.solvers.regions.feasibility_data import FeasibilityData
 from fikm_drake.solvers.regions.feasible_intervals import (
     feasible_interval_table,
     feasible_intervals,
 )
+from fikm_drake.solvers.regions.generate_feasibility_data import generate_feasibility_data
 from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
+from fikm_drake.solvers.regions.minimum_norm_path import minimum_norm_path
 from fikm_drake.solvers.regions.self_motion import (
     SelfMotion,
     SelfMotionComponent,
@@ -77,6 +80,7 @@ __all__ = [
     "DhJoint",
     "DhTable",
     "DhTransform",
+    "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
     "FuzzyIk",
@@ -115,9 +119,11 @@ __all__ = [
     "closest_to_mid_range",
     "feasible_interval_table",
     "feasible_intervals",
+    "generate_feasibility_data",
     "generate_rule_base",
     "load_arm",
     "load_scenario",
+    "minimum_norm_path",
     "plot_log",
     "simulate",
     "solve_batch",

@@ -18,7 +18,7 @@ def closest_to_mid_range(arm: DhArm, points: ArrayLike) -> Array:
     """Postures that reach points within all limits, each the closest to the middle of the limits.
 
     Closest means the least Σ (q_i − middle_i)². It depends on the point alone, other than a posture
-    found by integrating steps of least norm along a path (`integrate_minimum_norm`).
+    found by integrating steps of least norm along a path (`minimum_norm_path`).
 
     Args:
         arm: a planar arm with three revolute joints about z, all with two limits.

@@ -12,7 +12,7 @@ HALVINGS = 60
 """At most."""
 ROUNDING = 1e-12
 """How far past a limit is none [rad or m]."""
-ZERO = 1e-9
+ZERO = 1e-12
 """A root is found where the function, or the gap that holds it, is under this."""
 
 

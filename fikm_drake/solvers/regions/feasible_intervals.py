@@ -91,7 +91,7 @@ def interval_columns(
     theta, code = _candidates(geometry, points)
     between = 0.5 * (theta[:, 1:] + theta[:, :-1])
     postures = geometry.postures(points[:, None], between)[..., elbows, :]
-    inside = geometry.is_inside(postures).any(axis=-1)
+    inside = np.any(geometry.is_inside(postures), axis=-1)
     sliver = np.diff(theta, axis=1) <= SLIVER
     inside[:, 1:-1] |= sliver[:, 1:-1] & inside[:, :-2] & inside[:, 2:]
     closed = np.pad(inside, ((0, 0), (1, 1)))
@@ -136,9 +136,8 @@ def _candidates(geometry: Planar3R, points: Array) -> tuple[Array, Codes]:
         _code(1, "upper") if np.isfinite(upper) else END_NAMES.index(FULL_TURN),
     ]
     theta = np.concatenate([np.broadcast_to(window, (len(points), 2)), theta], axis=1)
-    code = np.array(ends + codes * len(turns))
     order = np.argsort(theta, axis=1, kind="stable")
-    return np.take_along_axis(theta, order, axis=1), code[order]
+    return np.take_along_axis(theta, order, axis=1), np.array(ends + codes * len(turns))[order]
 
 
 def _elbow_angles(geometry: Planar3R) -> list[tuple[float, int]]:
@@ -164,7 +163,7 @@ def _code(joint: int, side: str) -> int:
 
 def _joined_over_the_turn(found: Columns) -> Columns:
     """Intervals cut at ±π made whole, for a joint 1 that turns freely."""
-    rows, lower, upper, lower_end, upper_end = (column.copy() for column in found)
+    rows, lower, upper, lower_end, upper_end = found
     first = np.flatnonzero(np.diff(rows, prepend=-1))
     last = np.flatnonzero(np.diff(rows, append=-1))
     cut = END_NAMES.index(FULL_TURN)
@@ -187,8 +186,9 @@ def _with_edges(
     """The intervals and, for points on the edge of the region, one of no width."""
     without = np.setdiff1d(np.arange(len(points)), found[0])
     postures = geometry.postures(points[without, None], theta[without])[..., elbows, :]
-    near = geometry.is_inside(postures, EDGE).any(axis=-1)
-    rows, best = without[near.any(axis=1)], np.argmax(near, axis=1)[near.any(axis=1)]
+    near = np.any(geometry.is_inside(postures, EDGE), axis=-1)
+    some = np.any(near, axis=1)
+    rows, best = without[some], np.argmax(near, axis=1)[some]
     edge = (rows, theta[rows, best], theta[rows, best], code[rows, best], code[rows, best])
     merged = [np.concatenate(pair) for pair in zip(found, edge)]
     order = np.argsort(merged[0], kind="stable")
