@@ -315,4 +315,3 @@ class Anfis:
             block = slice(start, start + columns)
             output[block] = network.output(x[:, block], coefficients)
         return output
-

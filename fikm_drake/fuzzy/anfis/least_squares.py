@@ -43,7 +43,8 @@ class LeastSquares:
         """The best coefficients for the premises of a network."""
         n = network.num_coefficients
         R = self._factor(network, None)
-        return Projection(np.linalg.solve(R[:n, :n], R[:n, n]), float(R[n, n] ** 2))
+        coefficients = np.asarray(np.linalg.solve(R[:n, :n], R[:n, n]), dtype=float)
+        return Projection(coefficients, float(R[n, n] ** 2))
 
     def linearise(self, network: Network, coefficients: Array) -> tuple[Array, Array]:
         """How the projected residuals change with the premises, reduced to P rows.
@@ -85,7 +86,7 @@ class LeastSquares:
             if coefficients is not None:
                 columns.append(network.output_and_slopes(x, coefficients)[1])
             rows = np.concatenate([*columns, y[None]]).T
-            R = np.linalg.qr(np.concatenate([R, rows]), mode="r")
+            R = np.asarray(np.linalg.qr(np.concatenate([R, rows]), mode="r"), dtype=float)
         return R
 
     def _blocks(self, width: int) -> Iterator[tuple[Array, Array]]:

@@ -31,7 +31,7 @@ class MembershipKind(Protocol):
 class Gaussian:
     """Grade exp(−½ ((x − c) / σ)²), equation 4.2 of Hassantabar (2021)."""
 
-    names = ("center", "width")
+    names: tuple[str, ...] = ("center", "width")
 
     def start(self, count: int) -> Array:
         """See `MembershipKind`."""
@@ -58,7 +58,7 @@ class Gaussian:
 class Bell:
     """Grade 1 / (1 + |(x − c) / a|^(2b)), Jang's generalised bell."""
 
-    names = ("center", "width", "slope")
+    names: tuple[str, ...] = ("center", "width", "slope")
 
     def start(self, count: int) -> Array:
         """See `MembershipKind`."""

@@ -17,7 +17,7 @@ FIRST_STEP = 0.05
 """Length of the first gradient step in the premise parameters [-]."""
 LONGER, SHORTER = 1.1, 0.9
 """Factors of the step after four decreases in a row, and after two rises and falls (Jang 1993)."""
-FIRST_DAMPING = 1e-6
+FIRST_DAMPING, MOST_DAMPING = 1e-6, 1e6
 """Of Levenberg and Marquardt, a row [-]."""
 
 
@@ -52,24 +52,34 @@ def hybrid(data: LeastSquares, network: Network) -> Iterator[Epoch]:
 def variable_projection(data: LeastSquares, network: Network) -> Iterator[Epoch]:
     """Levenberg-Marquardt on the residuals that are left after the best coefficients.
 
-    An epoch tries one step; one that does not lower the objective is not taken, and the next is shorter.
+    An epoch tries one step. One that does not lower the objective is not taken. The damping follows
+    how well the step's gain was foreseen (Nielsen 1999).
     """
-    damping = FIRST_DAMPING * data.y.size
+    damping, growth = FIRST_DAMPING * data.y.size, 2.0
     best = data.project(network)
-    linear = data.linearise(network, best.coefficients)
+    A, b = data.linearise(network, best.coefficients)
     while True:
-        A, b = linear
-        padded = np.concatenate([A, np.sqrt(damping) * np.eye(len(A))])
-        step = np.linalg.lstsq(padded, np.concatenate([b, np.zeros(len(A))]), rcond=None)[0]
+        step = _damped_step(A, b, damping)
         tried = network.with_parameters(network.parameters + step)
         found = data.project(tried)
-        if found.objective < best.objective:
+        gain = best.objective - found.objective
+        if gain > 0.0:
+            foreseen = float(np.sum(b**2) - np.sum((b - A @ step) ** 2))
+            damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain / foreseen - 1.0) ** 3)
+            growth = 2.0
             network, best = tried, found
-            linear = data.linearise(network, best.coefficients)
-            damping /= 3.0
+            A, b = data.linearise(network, best.coefficients)
         else:
-            damping *= 4.0
+            damping = min(damping * growth, MOST_DAMPING * data.y.size)
+            growth = min(2.0 * growth, MOST_DAMPING)
         yield Epoch(network, best.coefficients)
+
+
+def _damped_step(A: Array, b: Array, damping: float) -> Array:
+    """The δ (P,) that minimises |b − A δ|² + damping |δ|²."""
+    P = A.shape[1]
+    padded = np.concatenate([A, np.sqrt(damping) * np.eye(P)])
+    return np.linalg.lstsq(padded, np.concatenate([b, np.zeros(P)]), rcond=None)[0]
 
 
 METHODS: dict[str, Callable[[LeastSquares, Network], Iterator[Epoch]]] = {

@@ -11,9 +11,10 @@ from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.anfis_data import AnfisData
+from fikm_drake.kinematics.angles import wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
-from fikm_drake.kinematics.planar_3r import Planar3R, wrap
+from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.resources import find_model, load_yaml, model_names
 
 Array = NDArray[np.float64]
@@ -77,7 +78,7 @@ class LearnedBounds:
 
     @classmethod
     def load(cls, name_or_path: str | Path) -> LearnedBounds:
-        """Read a file that `save` wrote: one that comes with the library by its name, or your own by its path.
+        """Read bounds that come with the library, by their name, or your own, by the path of the file.
 
         Raises:
             FileNotFoundError: there is no such file; the message lists those that come with the library.

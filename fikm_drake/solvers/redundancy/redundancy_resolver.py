@@ -87,4 +87,4 @@ class RedundancyResolver:
         both = geometry.postures(points, theta_1)
         inside = geometry.is_inside(both, slack)
         q = np.where(inside[:, :1], both[:, 0], both[:, 1])
-        return np.clip(q, geometry.lower, geometry.upper), inside.any(axis=1)
+        return np.clip(q, geometry.lower, geometry.upper), np.asarray(inside.any(axis=1))
