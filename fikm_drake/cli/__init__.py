@@ -9,6 +9,7 @@ from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.run import add_run
+from fikm_drake.cli.train import add_train
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,6 +37,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    for add in (add_run, add_models, add_reproduce, add_benchmark):
+    for add in (add_run, add_models, add_reproduce, add_benchmark, add_train):
         add(commands)
     return parser

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
 from fikm_drake.fuzzy.anfis.checks import checked_inputs, checked_rows
 from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
-from fikm_drake.fuzzy.anfis.network import Network
+from fikm_drake.fuzzy.anfis.network import Network, even_network
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.resources import load_yaml
 
@@ -66,8 +66,7 @@ class Anfis:
         if len(self._names) != len(counts) + 1:
             raise ValueError(f"names must be {len(counts) + 1}, the output's last, got {names!r}")
         self._kind = kind
-        start = KINDS[kind].start
-        self._network = Network(KINDS[kind], tuple(start(m) for m in counts), order)
+        self._network = even_network(KINDS[kind], counts, order)
         self._coefficients: Array | None = None
         self._lower, self._upper = np.full(len(counts), -1.0), np.ones(len(counts))
         self._errors: list[float] = []
@@ -127,14 +126,16 @@ class Anfis:
         epochs: int = 150,
         method: str = "hybrid",
         ridge: float = RIDGE,
+        starts: int = 1,
+        seed: int = 0,
         validation: tuple[ArrayLike, ArrayLike] | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> Anfis:
         """Learn from data, from evenly spaced memberships on; the same data give the same result.
 
-        The best epoch is kept: that of the least error over the validation data if there are any,
-        else over the training data. If it is interrupted, the best so far stays. Memory is bounded
-        by a copy of the data, however many rows there are.
+        The best epoch of all starts is kept: that of the least error over the validation data if there
+        are any, else over the training data. If it is interrupted, the best so far stays. Memory is
+        bounded by a copy of the data, however many rows there are.
 
         Args:
             X: inputs (N,d), finite, none of them constant.
@@ -144,6 +145,9 @@ class Anfis:
                 `variable_projection`: Levenberg-Marquardt steps, twice the time and far more progress.
             ridge: how much large coefficients are avoided [-]. Rules where there are no data need a
                 little; the less the data cover, the more.
+            starts: from how many partitions, since training ends in a local minimum: the even one, then
+                others with their memberships moved at random.
+            seed: of the random partitions.
             validation: inputs and wanted outputs that are not learned from.
             progress: called after each epoch with the fraction done.
 
@@ -160,8 +164,9 @@ class Anfis:
             )
         if method not in METHODS:
             raise ValueError(f"method must be one of {tuple(METHODS)}, got {method!r}")
-        if not isinstance(epochs, (int, np.integer)) or epochs < 1:
-            raise ValueError(f"epochs must be a positive integer, got {epochs!r}")
+        for option, value in (("epochs", epochs), ("starts", starts)):
+            if not isinstance(value, (int, np.integer)) or value < 1:
+                raise ValueError(f"{option} must be a positive integer, got {value!r}")
         if not 0.0 < ridge < np.inf:
             raise ValueError(f"ridge must be finite and positive, got {ridge!r}")
         lower, upper = X.min(axis=0), X.max(axis=0)
@@ -170,27 +175,29 @@ class Anfis:
                 raise ValueError(f"input {name!r} is always {low}: leave it out")
 
         self._lower, self._upper = lower, upper
-        self._errors, self._validation_errors = [], []
         unit = (
             float(np.abs(Y).max()) or 1.0
         )  # the damping of the training is for outputs of about 1
         data = LeastSquares(self._scaled(X), Y / unit, ridge)
-        start = KINDS[self._kind].start
-        network = Network(KINDS[self._kind], tuple(start(m) for m in self.memberships), self.order)
         best = np.inf
-        for epoch, state in zip(range(1, epochs + 1), METHODS[method](data, network)):
-            error = unit * data.rms_error(*state)
-            self._errors.append(error)
-            if validation is not None:
-                x, y = validation
-                output = self._output(self._scaled(x), state.network, unit * state.coefficients)
-                error = float(np.sqrt(np.mean((output - y) ** 2)))
-                self._validation_errors.append(error)
-            if error < best:
-                best = error
-                self._network, self._coefficients = state.network, unit * state.coefficients
-            if progress:
-                progress(epoch / epochs)
+        for k, network in enumerate(self._starts(starts, seed)):
+            errors: list[float] = []
+            validation_errors: list[float] = []
+            for epoch, state in zip(range(1, epochs + 1), METHODS[method](data, network)):
+                error = unit * data.rms_error(*state)
+                errors.append(error)
+                coefficients = unit * state.coefficients
+                if validation is not None:
+                    x, y = validation
+                    output = self._output(self._scaled(x), state.network, coefficients)
+                    error = float(np.sqrt(np.mean((output - y) ** 2)))
+                    validation_errors.append(error)
+                if error < best:
+                    best = error
+                    self._network, self._coefficients = state.network, coefficients
+                    self._errors, self._validation_errors = errors, validation_errors
+                if progress:
+                    progress((k + epoch / epochs) / starts)
         return self
 
     def predict(self, X: ArrayLike) -> Array:
@@ -300,6 +307,20 @@ class Anfis:
         if self._coefficients is None:
             raise ValueError("nothing has been learned yet: call fit first")
         return self._coefficients
+
+    def _starts(self, count: int, seed: int) -> Iterator[Network]:
+        """Networks to begin with, the first with the even partition."""
+        kind, rng = KINDS[self._kind], np.random.default_rng(seed)
+        even = even_network(kind, self.memberships, self.order)
+        yield even
+        for _ in range(count - 1):
+            moves = [
+                np.concatenate(
+                    [rng.uniform(-1.0, 1.0, (1, m)) / m, rng.uniform(-0.5, 0.5, (p - 1, m))]
+                )
+                for p, m in (premise.shape for premise in even.premises)
+            ]
+            yield even.with_parameters(even.parameters + np.concatenate([m.ravel() for m in moves]))
 
     def _scaled(self, X: Array) -> Array:
         """Inputs (d,N), [−1, 1] for the range of the training data, held near it."""

@@ -103,6 +103,11 @@ class Network:
         return np.concatenate([ones, x]) if self.order else ones
 
 
+def even_network(kind: MembershipKind, memberships: tuple[int, ...], order: int) -> Network:
+    """A network whose memberships divide each scaled input evenly."""
+    return Network(kind, tuple(kind.start(count) for count in memberships), order)
+
+
 def _normalised(log_grades: Array) -> Array:
     """Grades (m,N) over their sum; safe where every grade underflows."""
     grades = np.exp(log_grades - log_grades.max(axis=0))

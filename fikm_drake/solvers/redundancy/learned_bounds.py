@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -10,31 +9,16 @@ from numpy.typing import ArrayLike, NDArray
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.fuzzy.anfis.anfis import Anfis
-from fikm_drake.fuzzy.anfis.anfis_data import AnfisData
 from fikm_drake.kinematics.angles import wrap
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.resources import find_model, load_yaml, model_names
+from fikm_drake.solvers.redundancy.bounds_data import BoundsData
 
 Array = NDArray[np.float64]
 INPUTS = ("xy", "polar")
 FOLDER = "bounds"
 """Where in `models/` the bounds are that come with the library."""
-
-
-@dataclass
-class BoundsData:
-    """Learned bounds, as YAML."""
-
-    arm: DhTable = field(default_factory=DhTable)
-    """The arm that they are of."""
-    inputs: str = "polar"
-    """`xy` or `polar`."""
-    lower: AnfisData = field(default_factory=AnfisData)
-    """Learned lower bound of joint 1 [rad]."""
-    upper: AnfisData = field(default_factory=AnfisData)
-    """Learned upper bound of joint 1 [rad]."""
 
 
 class LearnedBounds:

@@ -27,13 +27,14 @@ def train_bounds(
     points: int = POINTS,
     method: str = "variable_projection",
     epochs: int = 150,
+    starts: int = 8,
     ridge: float = RIDGE,
     progress: Callable[[float], None] | None = None,
 ) -> LearnedBounds:
     """Train two ANFIS on the exact bounds of joint 1 over the arm's workspace.
 
-    Where a point has several intervals, the widest is learned. Nothing is random: the same arm and
-    options give the same bounds.
+    Where a point has several intervals, the widest is learned. The same arm and options give the same
+    bounds.
 
     Args:
         arm: a planar arm with three revolute joints about z.
@@ -42,6 +43,7 @@ def train_bounds(
         points: about how many to learn from, see `workspace_points`.
         method: see `Anfis.fit`.
         epochs: see `Anfis.fit`.
+        starts: see `Anfis.fit`; the seed is 0.
         ridge: see `Anfis.fit`.
         progress: called with the fraction done.
 
@@ -62,6 +64,14 @@ def train_bounds(
                 progress(0.5 * (k + fraction))
 
         learned.append(
-            anfis.fit(X, theta, epochs=epochs, method=method, ridge=ridge, progress=show)
+            anfis.fit(
+                X,
+                theta,
+                epochs=epochs,
+                method=method,
+                ridge=ridge,
+                starts=starts,
+                progress=show,
+            )
         )
     return LearnedBounds(arm, inputs, *learned)

@@ -6,7 +6,6 @@ import pytest
 import fikm_drake as fd
 from fikm_drake.fuzzy.anfis.training import METHODS
 
-
 LINKS = 10.0, 7.0
 
 
