@@ -15,31 +15,34 @@ from fikm_drake.solvers.regions.spare_task import SpareTask
 from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer
 
 POINTS = 16
-STEPS = ((0.05, 50), (0.01, 50), (0.01, 500))
-"""Length of a step [rad], steps in each direction; the thesis prints 50 and no length."""
-FIXED = np.array([1.0, 0.0, 0.0])
-"""The thesis's arbitrary vector u: along θ1, whose bounds are sought."""
+ALONG_1, BEST = (1.0, 0.0, 0.0), (1.0, 0.0, -1.0)
+"""The thesis's arbitrary vector u: along θ1, whose bounds are sought, and the best of the 13 whose
+elements are −1, 0 and 1."""
+RUNS = ((BEST, 0.05, 50), (BEST, 0.01, 50), (BEST, 0.01, 500), (ALONG_1, 0.01, 500))
+"""u, length of a step [rad], steps in each direction; the thesis prints 50 and no length."""
 
 Array = NDArray[np.float64]
 
 
-def corrected_algorithm_1(task: SpareTask, start: Array, step: float, count: int) -> Array:
-    """Postures (2,3) at which a walk along the self-motion from `start` ends, down and up.
+def corrected_algorithm_1(
+    task: SpareTask, start: Array, u: tuple[float, ...], step: float, count: int
+) -> Array:
+    """Postures (2,3) at which a walk along the self-motion from `start` ends, against u and along.
 
     Each step is the projection of a fixed vector u on the null space, as in the thesis's algorithm
-    1. Corrected are what it prints wrong: the limits are checked after every step, the walk down
-    begins where the walk up began, and each step is followed by one of Newton's back to the point.
+    1. Corrected are what it prints wrong: the limits are checked after every step, the second
+    walk begins where the first began, and each step is followed by one of Newton's back to the point.
     What cannot be mended is kept: a walk ends within a step of the limit, and stalls where u is at
     right angles to the self-motion.
     """
-    target = task.pose(start)
+    target, fixed = task.pose(start), np.array(u)
     ends = []
     for sign in (-1.0, 1.0):
         q = start
         for _ in range(count):
             _, J = task.error_and_jacobian(target, q)
             inverse = np.linalg.pinv(J)
-            moved = q + sign * step * (FIXED - inverse @ (J @ FIXED))
+            moved = q + sign * step * (fixed - inverse @ (J @ fixed))
             error, J = task.error_and_jacobian(target, moved)
             moved = moved + np.linalg.pinv(J) @ error
             if (moved < task.lower).any() or (moved > task.upper).any():
@@ -57,11 +60,12 @@ def algorithm_1() -> Section:
     starts = closest_to_mid_range(arm, points)
     task, tracer = SpareTask(arm, "xy"), SelfMotionTracer(arm, "xy")
     cells = []
-    for step, count in STEPS:
+    for u, step, count in RUNS:
         began = time.process_time()
-        walked = [corrected_algorithm_1(task, q, step, count)[:, 0] for q in starts]
-        label = f"algorithm 1, corrected, {count} steps of {step:g}"
-        cells += _cells(label, np.array(walked), exact, time.process_time() - began)
+        walked = [corrected_algorithm_1(task, q, u, step, count)[:, 0] for q in starts]
+        direction = " ".join(f"{x:g}" for x in u)
+        label = f"algorithm 1, corrected, u = ({direction}), {count} x {step:g}"
+        cells += _cells(label, np.sort(walked), exact, time.process_time() - began)
     began = time.process_time()
     traced = [tracer.trace(point).intervals(1) for point in points]
     spent = time.process_time() - began

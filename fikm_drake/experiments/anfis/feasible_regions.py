@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fikm_drake.experiments.anfis.region import ARM, Region, plot_regions, region
+from fikm_drake.experiments.anfis.region import ARM, Region, plot_regions, region, stretches
 from fikm_drake.experiments.anfis.trajectories import A, B, Trajectory
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
@@ -41,8 +41,7 @@ def figure_3_13() -> Section:
     """Trajectory B, with figures 3.14 and 3.15: where it is infeasible."""
     found, table = region(B), _fine(B)
     percent = np.linspace(0.0, 100.0, FINE)
-    gaps = [(float(percent[i]), float(percent[j - 1])) for i, j in _runs(~table.feasible)]
-    text = ", ".join(f"{low:.2f}-{high:.2f}" for low, high in gaps)
+    text = stretches(percent, ~table.feasible)
     inside = (percent > 17.4) & (percent < 96.6)
     paper = "0-17, 22-35, 75-100"
     cells = [
@@ -53,9 +52,9 @@ def figure_3_13() -> Section:
     ]
     notes = [
         "Feasible are 17.33 to 96.65 % and one posture by itself: all joints at a corner of their",
-        "limits put the tool at (-1.5, 1). The stretches 22-35 and 75-96.65 % are feasible: there the",
-        "state of the thesis, integrated by steps of minimum norm from outside the limits, has left",
-        "them, and its algorithm takes no self-motion back from outside: see `minimum norm`.",
+        "limits put the tool at (-1.5, 1). The thesis saw more because it begins its self-motions at a",
+        "state integrated by steps of minimum norm, and makes none where that state is outside its",
+        "limits. Such a state leaves them on 18-39 and 75-100 %: see `minimum norm`.",
     ]
     return Section(
         "figure 3.13",
@@ -98,9 +97,3 @@ def _ends(table: IntervalTable) -> list[Cell]:
                 label = f"θ1 ends {side}, {percent[low]:.1f}-{percent[high - 1]:.1f} %"
                 cells.append(Cell(label, None, END_NAMES[codes[low]]))
     return cells
-
-
-def _runs(mask: np.ndarray) -> list[tuple[int, int]]:
-    """Start and end (exclusive) of each run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist()))

@@ -2,8 +2,9 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from fikm_drake.experiments.anfis.region import ARM, plot_region, region
+from fikm_drake.experiments.anfis.region import ARM, plot_region, region, stretches
 from fikm_drake.experiments.anfis.trajectories import A, B
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
@@ -14,6 +15,10 @@ from fikm_drake.solvers.regions.minimum_norm_path import minimum_norm_path
 
 LAPS = 5
 SAMPLES = 401
+ENTRY = 17.4
+"""From here to 96.65 % B is feasible [%]."""
+
+Array = NDArray[np.float64]
 
 
 def minimum_norm() -> Section:
@@ -21,67 +26,71 @@ def minimum_norm() -> Section:
     arm = load_arm(ARM)
     geometry = Planar3R(arm)
     percent = np.linspace(0.0, 100.0, SAMPLES)
-    square, rectangle = A.at(percent), B.at(percent)
+    square, points = A.at(percent), B.at(percent)
     laps = np.concatenate([square, *[square[1:]] * (LAPS - 1)])
     walked = minimum_norm_path(arm, laps, geometry.middle)[:: SAMPLES - 1, 0]
-    static = closest_to_mid_range(arm, square)
-    closed = float(np.abs(static[-1] - static[0]).max())
-    integrated = minimum_norm_path(arm, rectangle, geometry.middle)
-    feasible = feasible_interval_table(arm, rectangle).feasible
-    outside = ~geometry.is_inside(integrated)
-    best = closest_to_mid_range(arm, rectangle)
-    error = np.abs(arm.forward_kinematics(best[feasible])[:, :2, 3] - rectangle[feasible]).max()
-    within = bool(geometry.is_inside(best[feasible]).all())
+
+    feasible = feasible_interval_table(arm, points).feasible
+    static = closest_to_mid_range(arm, points)
+    reached = arm.forward_kinematics(static[feasible])[:, :2, 3]
+    error = float(np.abs(reached - points[feasible]).max())
+    within = bool(geometry.is_inside(static[feasible]).all())
+    entry = int(np.argmax(percent > ENTRY))
+    from_p0 = minimum_norm_path(arm, points, geometry.middle)
+    from_inside = np.full_like(from_p0, np.nan)
+    from_inside[entry:] = minimum_norm_path(arm, points[entry:], static[entry])
+    outside = ~geometry.is_inside(from_p0)
+    left = ~geometry.is_inside(from_inside) & (percent >= percent[entry])
+    start = f"B, integrated from a feasible posture at {percent[entry]:.2f} %"
     cells = [
         Cell("A, integrated: θ1 at P0 at first [rad]", None, float(walked[0])),
         Cell(f"A, integrated: θ1 at P0 after {LAPS} laps [rad]", None, float(walked[-1])),
+        Cell("B: infeasible points [%]", None, _percent(~feasible)),
+        Cell("B, integrated from P0: outside its limits [%]", None, _percent(outside)),
         Cell(
-            "A, closest to mid-range: change of a posture in a lap [rad]",
+            "B, integrated from P0: outside, where feasible postures exist [%]",
             None,
-            closed,
-            closed == 0.0,
-        ),
-        Cell("B: infeasible points [%]", None, 100.0 * float((~feasible).mean())),
-        Cell("B, integrated: outside its limits [%]", None, 100.0 * float(outside.mean())),
-        Cell(
-            "B, integrated: outside where feasible postures exist [%]",
-            None,
-            100.0 * float((outside & feasible).mean()),
+            _percent(outside & feasible),
             bool((outside & feasible).any()),
         ),
+        Cell(f"{start}: outside [%]", "22-35, 75-100", stretches(percent, left)),
         Cell(
-            "B, closest to mid-range: within where feasible",
+            f"{start}: outside, where feasible postures exist [%]",
             None,
-            "yes" if within else "no",
-            within,
+            _percent(left & feasible),
+            bool((left & feasible).any()),
         ),
-        Cell("B, closest to mid-range: tool off its point [m]", None, float(error), error <= 1e-12),
+        Cell("B, closest to mid-range: tool off its point [m]", None, error, error <= 1e-12),
+        Cell("B, closest to mid-range: within its limits", None, "yes" if within else "no", within),
     ]
     notes = [
         "Integrated steps of minimum norm know no limits, and their state depends on the path: laps of",
         "A do not close. The posture closest to the middle of the limits depends on the point alone.",
-        "The thesis does not tell where it started on B; here it is the middle of the limits.",
+        "The thesis does not tell its start on B. From a feasible posture, θ1 leaves its limits on about",
+        "the stretches that the thesis calls not possible, though feasible postures exist on them.",
     ]
+    paths = {"integrated from P0": from_p0, "integrated from a feasible posture": from_inside}
+    picture = _plot(percent, paths, static)
+    title = "the minimum-norm solution, static and integrated"
+    return Section("minimum norm", title, cells, notes, {"minimum_norm": picture})
+
+
+def _percent(mask: NDArray[np.bool_]) -> float:
+    return 100.0 * float(mask.mean())
+
+
+def _plot(percent: Array, paths: dict[str, Array], static: Array) -> Figure:
+    """θ1 along B: bold where all joints are within their limits, broken where one is not."""
+    arm = load_arm(ARM)
+    geometry = Planar3R(arm)
     figure = Figure(figsize=(9, 4), layout="constrained")
     axes = figure.subplots()
     plot_region(axes, region(B), 1, arm)
-    axes.plot(
-        percent, integrated[:, 0], "k-", label="integrated, with joints 1 to 3 in their limits"
-    )
-    axes.lines[-1].set_ydata(np.where(outside, np.nan, integrated[:, 0]))
-    axes.plot(
-        percent,
-        np.where(outside, integrated[:, 0], np.nan),
-        color="tab:purple",
-        label="integrated, a joint outside its limits",
-    )
-    axes.plot(percent, best[:, 0], "k:", label="closest to mid-range")
+    for (label, q), colour in zip(paths.items(), ("tab:purple", "tab:orange")):
+        axes.plot(percent, q[:, 0], "--", color=colour, lw=1.2, label=f"{label}, outside limits")
+        within = np.where(geometry.is_inside(q), q[:, 0], np.nan)
+        axes.plot(percent, within, color=colour, lw=2.5, label=f"{label}, within")
+    axes.plot(percent, static[:, 0], "k:", label="closest to mid-range")
     axes.set_xlabel("share of trajectory B [%]")
-    axes.legend(loc="upper center", fontsize=9)
-    return Section(
-        "minimum norm",
-        "the minimum-norm solution, static and integrated",
-        cells,
-        notes,
-        {"minimum_norm": figure},
-    )
+    axes.legend(loc="upper center", fontsize=8)
+    return figure

@@ -27,9 +27,9 @@ def figure_3_7() -> Section:
 def figure_3_8() -> Section:
     """Trajectory A at 10 %."""
     note = [
-        "At neither end is a link in line with another, so no singularity ends the region here: the",
-        "algorithm of the thesis pushes along a fixed vector, and stalls where the self-motion is at",
-        "right angles to it.",
+        "Neither end is singular: the last links are not in line, though at the upper end within 0.06",
+        "rad of it. The thesis walks along a fixed vector u, whose projection nearly vanishes where the",
+        "self-motion is nearly at right angles to u; such a walk stalls, and looks like a singularity.",
     ]
     return _section("figure 3.8", A, 10.0, ("singularity", "θ2"), note)
 

@@ -12,14 +12,19 @@ from numpy.typing import NDArray
 from fikm_drake.experiments.anfis.trajectories import Trajectory
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.regions.interval_table import FeasibleInterval
+from fikm_drake.solvers.regions.interval_table import TURNING_POINT, FeasibleInterval
 from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer
 
 ARM = "hassantabar3r"
 SAMPLES = 161
 """Points of a trajectory: one each 0.625 %, so the corners are among them."""
-COLOURS = {"joint 1": "tab:red", "joint 2": "tab:blue", "joint 3": "tab:green"}
-"""Of the borders, by the joint that ends the region there."""
+COLOURS = {
+    "joint 1": "tab:red",
+    "joint 2": "tab:blue",
+    "joint 3": "tab:green",
+    TURNING_POINT: "black",
+}
+"""Of the borders, by what ends the region there."""
 
 Array = NDArray[np.float64]
 
@@ -56,7 +61,7 @@ def region(trajectory: Trajectory) -> Region:
 
 
 def plot_region(axes: Axes, found: Region, joint: int, arm: DhArm) -> None:
-    """Draw the region of a joint; the colour of a border tells which joint's limit it is."""
+    """Draw the region of a joint; the colour of a border tells which limit ends it."""
     lower, upper = found.bounds(joint)
     axes.fill_between(found.percent, lower, upper, color="0.9")
     for side, bound in (("lower_end", lower), ("upper_end", upper)):
@@ -89,11 +94,18 @@ def plot_regions(found: Region) -> Figure:
     rows[-1].set_xlabel(f"share of trajectory {found.trajectory.name} [%]")
     handles = [
         *(
-            Line2D([], [], color=colour, marker=".", ls="", label=f"ended by {name}")
+            Line2D([], [], color=colour, marker=".", ls="", label=name)
             for name, colour in COLOURS.items()
         ),
-        Line2D([], [], color="black", ls="--", lw=0.8, label="limits of the joint"),
+        Line2D([], [], color="black", ls="--", lw=0.8, label="limits"),
         Line2D([], [], color="0.6", lw=6, label="infeasible"),
     ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=5, frameon=False)
+    figure.legend(handles=handles, loc="outside upper center", ncols=6, frameon=False)
     return figure
+
+
+def stretches(percent: Array, mask: NDArray[np.bool_]) -> str:
+    """The stretches of a trajectory where a mask is true, as text [%]."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    runs = zip(percent[edges[::2]], percent[edges[1::2] - 1])
+    return ", ".join(f"{low:.2f}-{high:.2f}" for low, high in runs)
