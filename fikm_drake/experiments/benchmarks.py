@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
+from fikm_drake.experiments.anfis import regions_benchmark
 
 Progress = Callable[[float], None]
 
@@ -31,6 +32,9 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "regions": Benchmark(
+        "feasible regions: exactness and time a point", "points", 5000, regions_benchmark.table
     ),
 }
 """Benchmarks by name."""

@@ -1,9 +1,12 @@
 """The papers that `fikm-drake reproduce` knows."""
 
-from fikm_drake.experiments import fikm
+from fikm_drake.experiments import anfis, fikm
 from fikm_drake.experiments.report import Experiment
 
-PAPERS: dict[str, dict[str, Experiment]] = {"fikm": fikm.EXPERIMENTS}
+PAPERS: dict[str, dict[str, Experiment]] = {
+    "fikm": fikm.EXPERIMENTS,
+    "anfis": anfis.EXPERIMENTS,
+}
 """Experiments of each paper by name."""
 
 

@@ -1,1 +1,22 @@
 """Paper 2, Hassantabar 2021: its figures with numbers (`fikm-drake reproduce anfis`)."""
+
+from fikm_drake.experiments.anfis.algorithm_1 import algorithm_1
+from fikm_drake.experiments.anfis.exactness import exactness
+from fikm_drake.experiments.anfis.feasible_regions import figure_3_6, figure_3_13
+from fikm_drake.experiments.anfis.mid_points import figure_3_16
+from fikm_drake.experiments.anfis.minimum_norm import minimum_norm
+from fikm_drake.experiments.anfis.postures import figure_3_7, figure_3_8, figure_3_12
+from fikm_drake.experiments.report import Experiment
+
+EXPERIMENTS: dict[str, Experiment] = {
+    "figure 3.6": figure_3_6,
+    "figure 3.7": figure_3_7,
+    "figure 3.8": figure_3_8,
+    "figure 3.12": figure_3_12,
+    "figure 3.13": figure_3_13,
+    "figure 3.16": figure_3_16,
+    "minimum norm": minimum_norm,
+    "algorithm 1": algorithm_1,
+    "exactness": exactness,
+}
+"""What can be reproduced, in the thesis's order."""
