@@ -84,6 +84,8 @@ def seeds(curve: SelfMotionCurve, line: Array, closed: bool) -> list[CurvePoint]
     task = curve.task
     past = _past_limits(task, line)
     last = len(line) - 1
+    if last == 0:  # a singular posture, from which no step could be made
+        return []
     cuts = _crossings(past)
     if not closed:
         cuts = np.concatenate([[0.0], cuts, [last]])

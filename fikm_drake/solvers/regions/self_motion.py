@@ -115,14 +115,20 @@ class SelfMotion:
     status: SelfMotionStatus
     """How the trace ended."""
     components: list[SelfMotionComponent]
-    """The connected pieces; the first is the one of the posture that was given."""
+    """The connected pieces; first the one of the posture that was given, if it is within limits."""
 
     def intervals(self, joint: int) -> list[FeasibleInterval]:
         """Positions of a joint that some component takes, as disjoint intervals in ascending order.
 
         Args:
             joint: its number, from 1.
+
+        Raises:
+            ValueError: there is no such joint.
         """
+        most = self.components[0].q.shape[1] if self.components else np.inf
+        if not 1 <= joint <= most:
+            raise ValueError(f"joint must be in 1 … {most}, got {joint!r}")
         i = joint - 1
         parts = sorted(
             (

@@ -64,17 +64,19 @@ class SpareTask:
         """(k,): which moving joints turn."""
         self.middle = middle_of_limits(self.lower, self.upper)
         """(k,) middle of the limits [rad or m]."""
+        self.search_range = _search_range(self.lower, self.upper)
+        """(k,) and (k,): the limits, no further than half a turn from their middle [rad or m]."""
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
         rows = self.task.rows
         scale = np.array([self.task.characteristic_length] * 3 + [1.0] * 3)
         select = np.diag(scale)[rows]
-        low, high = np.maximum(lower, -np.pi), np.minimum(upper, np.pi)
-        draws = np.random.default_rng(0).uniform(0.0, 1.0, (SAMPLES, len(lower)))
+        low, high = _search_range(lower, upper)
+        draws = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(lower)))
         self.moving: NDArray[np.intp] = np.arange(len(lower))
         """(k,) indices of the joints that move the tool."""
-        J = np.array([select @ self._jacobian(low + draw * (high - low)) for draw in draws])
+        J = np.array([select @ self._jacobian(draw) for draw in draws])
         largest = np.abs(J).max()
         self.moving = np.flatnonzero(np.abs(J).max(axis=(0, 1)) > RANK * largest)
         left, singular, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
@@ -159,6 +161,11 @@ class SpareTask:
             self._world,
         )
         return J[:, self.moving]
+
+
+def _search_range(lower: Array, upper: Array) -> tuple[Array, Array]:
+    middle = middle_of_limits(lower, upper)
+    return np.maximum(lower, middle - np.pi), np.minimum(upper, middle + np.pi)
 
 
 def _revolute(plant: MultibodyPlant) -> NDArray[np.bool_]:

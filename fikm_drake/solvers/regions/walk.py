@@ -18,6 +18,7 @@ TOO_LONG = "too long"
 SAME = 1e-6
 """Points of a curve nearer than this are the same [rad or m]."""
 AT_LIMIT = 1e-12
+"""A joint this near to a limit is at it [rad or m]."""
 MOST_POINTS = 20_000
 """Of a walk."""
 
