@@ -32,7 +32,8 @@ class SelfMotionStatus(IntEnum):
 class SelfMotionComponent:
     """A connected piece of a self-motion within the limits: the arm can move along all of it.
 
-    Positions are of all n joints of the arm or plant; those that do not move the tool stay.
+    Positions are of all n joints of the arm or plant; those that do not move the tool stay. It keeps
+    the plant for `at` and `closest_to`, so it cannot be pickled; its arrays can.
     """
 
     q: Array

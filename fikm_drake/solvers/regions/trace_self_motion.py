@@ -16,10 +16,9 @@ from fikm_drake.solvers.regions.loops import (
     both_ways,
     dense,
     free_line,
-    is_on,
     seeds,
 )
-from fikm_drake.solvers.regions.polyline import arc_lengths
+from fikm_drake.solvers.regions.polyline import arc_lengths, is_on
 from fikm_drake.solvers.regions.self_motion import (
     SelfMotion,
     SelfMotionComponent,
@@ -88,7 +87,7 @@ class SelfMotionTracer:
         task: what a target fixes.
         frame: name of the tool's frame in a plant.
         searches: random postures in a row that must lead to a known curve before the search ends;
-            None: 6 for each joint, 18 for a planar 3R, 42 for a 7-joint arm.
+            None: 6 for each joint that moves the tool, 18 for a planar 3R, 42 for a 7-joint arm.
         max_step: longest step along a curve [rad or m].
         seed: of the random postures.
 
@@ -111,7 +110,7 @@ class SelfMotionTracer:
         if not 0.0 < max_step <= 0.5:
             raise ValueError(f"max_step must be in (0, 0.5] [rad or m], got {max_step!r}")
         self._task = SpareTask(arm_or_plant, task, frame)
-        self._searches = searches or SEARCHES * self._task.num_joints
+        self._searches = searches or SEARCHES * len(self._task.moving)
         self._max_step, self._seed = max_step, seed
         endless = np.isinf(self._task.lower) & np.isinf(self._task.upper)
         self._walls = Walls(self._task.lower, self._task.upper, self._task.revolute & endless)

@@ -332,7 +332,9 @@ def test_tasks_that_leave_not_one_degree_of_freedom(name, task, words):
         ([1.0], "coordinates"),
         ([1.0, np.nan], "finite"),
         ([np.nan, 0.0, 0.0], "finite"),
-        (np.diag([2.0, 1.0, 1.0, 1.0]), "orthonormal"),
+        (np.diag([2.0, 1.0, 1.0, 1.0]), "a pose"),
+        (np.diag([-1.0, 1.0, 1.0, 1.0]), "a pose"),
+        (np.full((4, 4), np.nan), "finite"),
     ],
 )
 def test_bad_targets_are_named(target, words):
