@@ -1,7 +1,7 @@
 """Paper 2, Hassantabar 2021: its figures with numbers (`fikm-drake reproduce anfis`)."""
 
 from fikm_drake.experiments.anfis.algorithm_1 import algorithm_1
-from fikm_drake.experiments.anfis.exactness import exactness
+from fikm_drake.experiments.anfis.exactness_sample import exactness
 from fikm_drake.experiments.anfis.feasible_regions import figure_3_6, figure_3_13
 from fikm_drake.experiments.anfis.mid_points import figure_3_16
 from fikm_drake.experiments.anfis.minimum_norm import minimum_norm

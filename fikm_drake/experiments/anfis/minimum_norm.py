@@ -44,7 +44,11 @@ def minimum_norm() -> Section:
     start = f"B, integrated from a feasible posture at {percent[entry]:.2f} %"
     cells = [
         Cell("A, integrated: θ1 at P0 at first [rad]", None, float(walked[0])),
-        Cell(f"A, integrated: θ1 at P0 after {LAPS} laps [rad]", None, float(walked[-1])),
+        Cell(
+            f"A, integrated: θ1 at P0 after {LAPS} laps of {SAMPLES} points [rad]",
+            None,
+            float(walked[-1]),
+        ),
         Cell("B: infeasible points [%]", None, _percent(~feasible)),
         Cell("B, integrated from P0: outside its limits [%]", None, _percent(outside)),
         Cell(

@@ -7,31 +7,34 @@ from numpy.typing import NDArray
 
 from fikm_drake.kinematics.angles import nearest_turn, wrap
 from fikm_drake.solvers.regions.curve import CurvePoint, SelfMotionCurve
-from fikm_drake.solvers.regions.polyline import arc_lengths, interpolate, passes
+from fikm_drake.solvers.regions.polyline import arc_lengths, interpolate
 from fikm_drake.solvers.regions.spare_task import SpareTask
 from fikm_drake.solvers.regions.walk import CLOSED, Walls, walk
 
 Array = NDArray[np.float64]
 FINE = 16
 """Points of a dense polyline for each of a walk's."""
-ON_LINE = 1e-3
-"""How near a dense polyline a point is on it [rad or m]."""
 NEAR = 1e-3
 """How far outside the limits a point of a dense polyline may be within them [rad or m]."""
-NEWTON_STEPS = 40
+SEARCH_STEPS = 40
+"""Of the search for a posture, at most."""
 LONGEST = 0.5
-"""Step of the search for a posture [rad or m]."""
+"""Step of that search [rad or m]."""
+FOUND = 1e-6
+"""Error at which Newton's method takes over from it [m]."""
+DAMPING = 1e-2
+"""Of that search, times the square of the error."""
 
 
 def arrive(curve: SelfMotionCurve, q: Array) -> CurvePoint | None:
     """A point of the curve, by damped steps from `q` (k,); limits are ignored."""
-    for _ in range(NEWTON_STEPS):
+    for _ in range(SEARCH_STEPS):
         error, J = curve.linearise(q)
         square = float(error @ error)
-        if square < 1e-12:
+        if square < FOUND**2:
             point = curve.point(q)
             return point if point is not None and curve.is_met(point.q) else None
-        step = J.T @ np.linalg.solve(J @ J.T + 1e-2 * square * np.eye(len(error)), error)
+        step = J.T @ np.linalg.solve(J @ J.T + DAMPING * square * np.eye(len(error)), error)
         q = q + step * min(1.0, LONGEST / np.sqrt(step @ step))
     return None
 
@@ -84,6 +87,8 @@ def seeds(curve: SelfMotionCurve, line: Array, closed: bool) -> list[CurvePoint]
     task = curve.task
     past = _past_limits(task, line)
     last = len(line) - 1
+    if last == 0:  # a singular posture, from which no step could be made
+        return []
     cuts = _crossings(past)
     if not closed:
         cuts = np.concatenate([[0.0], cuts, [last]])
@@ -123,8 +128,3 @@ def _crossings(past: Array) -> Array:
     where, joint = np.nonzero((past[:-1] > 0.0) != (past[1:] > 0.0))
     low, high = past[where, joint], past[where + 1, joint]
     return np.sort(where + low / (low - high))
-
-
-def is_on(line: Array, q: Array, periodic: NDArray[np.bool_]) -> bool:
-    """Whether a point (k,) is on a dense polyline (D,k)."""
-    return passes(line, q, periodic, ON_LINE)

@@ -3,25 +3,28 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.kinematics.angles import wrap
+
 Array = NDArray[np.float64]
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Nodes and weights on [−1, 1]."""
+ON_LINE = 1e-3
+"""How near a dense polyline a point is on it [rad or m]."""
 
 
 def arc_lengths(q: Array, tangents: Array) -> Array:
     """Length of the curve from its first point to each (K,); `q` and `tangents` are (K,k).
 
-    Each piece is the cubic with these ends; the error falls with the sixth power of the step.
+    Each piece is the cubic with these ends; the error falls with the fourth power of the step.
     """
     chord = np.linalg.norm(np.diff(q, axis=0), axis=1)
     size = chord
     u = 0.5 * (GAUSS[0][:, None, None] + 1.0)
     for _ in range(2):
-        scaled = size[:, None]
         rate = (
             6.0 * u * (1.0 - u) * np.diff(q, axis=0)
-            + (1.0 - 4.0 * u + 3.0 * u * u) * scaled * tangents[:-1]
-            + (3.0 * u * u - 2.0 * u) * scaled * tangents[1:]
+            + (1.0 - 4.0 * u + 3.0 * u * u) * size[:, None] * tangents[:-1]
+            + (3.0 * u * u - 2.0 * u) * size[:, None] * tangents[1:]
         )
         size = 0.5 * np.tensordot(GAUSS[1], np.linalg.norm(rate, axis=2), axes=1)
     return np.concatenate([[0.0], np.cumsum(size)])
@@ -41,10 +44,10 @@ def interpolate(q: Array, tangents: Array, lengths: Array, at: Array) -> Array:
     )
 
 
-def passes(line: Array, q: Array, periodic: NDArray[np.bool_], tolerance: float) -> bool:
-    """Whether a dense polyline (D,k) passes a point (k,), whole turns of periodic joints aside."""
+def is_on(line: Array, q: Array, periodic: NDArray[np.bool_]) -> bool:
+    """Whether a point (k,) is on a dense polyline (D,k), whole turns of periodic joints aside."""
     offset = q - line
-    offset -= np.where(periodic, 2.0 * np.pi * np.round(offset / (2.0 * np.pi)), 0.0)
+    offset = np.where(periodic, wrap(offset), offset)
     nearest = int(np.argmin(np.sum(offset * offset, axis=1)))
     miss = offset[nearest]
     if len(line) > 1:
@@ -54,4 +57,4 @@ def passes(line: Array, q: Array, periodic: NDArray[np.bool_], tolerance: float)
         if size > 0.0:
             share = np.clip((miss @ chord) / size, -1.0, 1.0)
             miss = miss - share * chord
-    return bool(np.sqrt(miss @ miss) < tolerance)
+    return bool(np.sqrt(miss @ miss) < ON_LINE)

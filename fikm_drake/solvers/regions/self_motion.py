@@ -32,7 +32,8 @@ class SelfMotionStatus(IntEnum):
 class SelfMotionComponent:
     """A connected piece of a self-motion within the limits: the arm can move along all of it.
 
-    Positions are of all n joints of the arm or plant; those that do not move the tool stay.
+    Positions are of all n joints of the arm or plant; those that do not move the tool stay. It keeps
+    the plant for `at` and `closest_to`, so it cannot be pickled; its arrays can.
     """
 
     q: Array
@@ -115,14 +116,20 @@ class SelfMotion:
     status: SelfMotionStatus
     """How the trace ended."""
     components: list[SelfMotionComponent]
-    """The connected pieces; the first is the one of the posture that was given."""
+    """The connected pieces; first the one of the posture that was given, if it is within limits."""
 
     def intervals(self, joint: int) -> list[FeasibleInterval]:
         """Positions of a joint that some component takes, as disjoint intervals in ascending order.
 
         Args:
             joint: its number, from 1.
+
+        Raises:
+            ValueError: there is no such joint.
         """
+        most = self.components[0].q.shape[1] if self.components else np.inf
+        if not 1 <= joint <= most:
+            raise ValueError(f"joint must be in 1 … {most}, got {joint!r}")
         i = joint - 1
         parts = sorted(
             (

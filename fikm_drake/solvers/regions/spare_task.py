@@ -11,8 +11,10 @@ from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.task import Task
+from fikm_drake.solvers.batch_targets import checked_targets
 
 Array = NDArray[np.float64]
+ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 SAMPLES = 8
 """Random postures whose Jacobians tell what a task fixes."""
 RANK = 1e-9
@@ -64,17 +66,19 @@ class SpareTask:
         """(k,): which moving joints turn."""
         self.middle = middle_of_limits(self.lower, self.upper)
         """(k,) middle of the limits [rad or m]."""
+        self.search_range = _search_range(self.lower, self.upper)
+        """(k,) and (k,): the limits, no further than half a turn from their middle [rad or m]."""
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
         rows = self.task.rows
         scale = np.array([self.task.characteristic_length] * 3 + [1.0] * 3)
         select = np.diag(scale)[rows]
-        low, high = np.maximum(lower, -np.pi), np.minimum(upper, np.pi)
-        draws = np.random.default_rng(0).uniform(0.0, 1.0, (SAMPLES, len(lower)))
+        low, high = _search_range(lower, upper)
+        draws = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(lower)))
         self.moving: NDArray[np.intp] = np.arange(len(lower))
         """(k,) indices of the joints that move the tool."""
-        J = np.array([select @ self._jacobian(low + draw * (high - low)) for draw in draws])
+        J = np.array([select @ self._jacobian(draw) for draw in draws])
         largest = np.abs(J).max()
         self.moving = np.flatnonzero(np.abs(J).max(axis=(0, 1)) > RANK * largest)
         left, singular, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
@@ -106,25 +110,22 @@ class SpareTask:
             ValueError: it is not what the task needs, or not finite.
         """
         if isinstance(target, RigidTransform):
-            matrix = target.GetAsMatrix4()
-        else:
-            matrix = np.asarray(target, dtype=float)
+            target = target.GetAsMatrix4()
+        matrix = np.asarray(target, dtype=float)
         coordinates = self.task.coordinates
-        if not np.isfinite(matrix).all():
-            raise ValueError(f"target must be finite, got {target!r}")
         if matrix.shape == (4, 4):
-            rotation = matrix[:3, :3]
-            if not np.allclose(rotation @ rotation.T, np.eye(3), rtol=0.0, atol=1e-9):
-                raise ValueError(
-                    f"target must be a pose with an orthonormal rotation, got {target!r}"
-                )
-            return RigidTransform(RotationMatrix.ProjectToRotationMatrix(rotation), matrix[:3, 3])
+            if not checked_targets(matrix[None], "pose")[1][0]:
+                raise ValueError(f"target must be finite and a pose, got {target!r}")
+            rotation = RotationMatrix.ProjectToRotationMatrix(matrix[:3, :3])
+            return RigidTransform(rotation, matrix[:3, 3])
         if self.task.turns or matrix.shape != (len(coordinates),):
             wanted = "a pose (4, 4)" if self.task.turns else f"{len(coordinates)} coordinates [m]"
             raise ValueError(
                 f"target of task {self.task.name!r} must be {wanted} or joint positions "
                 f"({self.num_joints},), got shape {matrix.shape}"
             )
+        if not np.isfinite(matrix).all():
+            raise ValueError(f"target must be finite, got {target!r}")
         position = np.zeros(3)
         position[coordinates] = matrix
         return RigidTransform(position)
@@ -154,11 +155,16 @@ class SpareTask:
             self._context,
             JacobianWrtVariable.kV,
             self._frame,
-            np.zeros((3, 1)),
+            ORIGIN,
             self._world,
             self._world,
         )
         return J[:, self.moving]
+
+
+def _search_range(lower: Array, upper: Array) -> tuple[Array, Array]:
+    middle = middle_of_limits(lower, upper)
+    return np.maximum(lower, middle - np.pi), np.minimum(upper, middle + np.pi)
 
 
 def _revolute(plant: MultibodyPlant) -> NDArray[np.bool_]:

@@ -16,17 +16,16 @@ from fikm_drake.solvers.regions.loops import (
     both_ways,
     dense,
     free_line,
-    is_on,
     seeds,
 )
-from fikm_drake.solvers.regions.polyline import arc_lengths
+from fikm_drake.solvers.regions.polyline import arc_lengths, is_on
 from fikm_drake.solvers.regions.self_motion import (
     SelfMotion,
     SelfMotionComponent,
     SelfMotionStatus,
 )
 from fikm_drake.solvers.regions.spare_task import SpareTask
-from fikm_drake.solvers.regions.walk import CLOSED, SINGULAR, TOO_LONG, Walls
+from fikm_drake.solvers.regions.walk import AT_LIMIT, CLOSED, SINGULAR, TOO_LONG, Walls
 
 Array = NDArray[np.float64]
 MAX_STEP = 0.2
@@ -66,7 +65,9 @@ def trace_self_motion(
         frame: name of the tool's frame in a plant.
 
     Returns:
-        The components. First the one that `q` is on; `SelfMotion.status` tells what is missing.
+        The components, first the one that `q` is on if it is within the limits; `SelfMotion.status`
+        tells what is missing. Where the range of a joint is a whole turn or more, components other
+        than the first are sought from the postures nearest to the middle of its range.
 
     Raises:
         ValueError: the task leaves none or more than one degree of freedom; a bad plant, frame,
@@ -86,7 +87,7 @@ class SelfMotionTracer:
         task: what a target fixes.
         frame: name of the tool's frame in a plant.
         searches: random postures in a row that must lead to a known curve before the search ends;
-            None: 6 for each joint, 18 for a planar 3R, 42 for a 7-joint arm.
+            None: 6 for each joint that moves the tool, 18 for a planar 3R, 42 for a 7-joint arm.
         max_step: longest step along a curve [rad or m].
         seed: of the random postures.
 
@@ -109,7 +110,7 @@ class SelfMotionTracer:
         if not 0.0 < max_step <= 0.5:
             raise ValueError(f"max_step must be in (0, 0.5] [rad or m], got {max_step!r}")
         self._task = SpareTask(arm_or_plant, task, frame)
-        self._searches = searches or SEARCHES * self._task.num_joints
+        self._searches = searches or SEARCHES * len(self._task.moving)
         self._max_step, self._seed = max_step, seed
         endless = np.isinf(self._task.lower) & np.isinf(self._task.upper)
         self._walls = Walls(self._task.lower, self._task.upper, self._task.revolute & endless)
@@ -127,7 +128,7 @@ class SelfMotionTracer:
         first = None if q is None else curve.point(q[task.moving])
         lines = self._free_lines(curve, first)
         starts = [seed for line, closed in lines for seed in seeds(curve, line, closed)]
-        if first and (first.q >= task.lower).all() and (first.q <= task.upper).all():
+        if first and _is_inside(task, first.q):
             starts.insert(0, first)
         pieces: list[Piece] = []
         traced: list[Array] = []
@@ -153,17 +154,20 @@ class SelfMotionTracer:
     ) -> list[tuple[Array, bool]]:
         """The curves that hold the target without limits, as dense polylines; whether each closes."""
         task = self._task
-        low, high = np.maximum(task.lower, -np.pi), np.minimum(task.upper, np.pi)
         rng = np.random.default_rng(self._seed)
         lines = [] if first is None else [free_line(curve, first, self._max_step)]
         known = 0
         while known < self._searches:
-            point = arrive(curve, rng.uniform(low, high))
+            point = arrive(curve, rng.uniform(*task.search_range))
             known += 1
             if point and not any(is_on(line, point.q, task.revolute) for line, _ in lines):
                 lines.append(free_line(curve, point, self._max_step))
                 known = 0
         return lines
+
+
+def _is_inside(task: SpareTask, q: Array) -> bool:
+    return bool(((q >= task.lower - AT_LIMIT) & (q <= task.upper + AT_LIMIT)).all())
 
 
 def _status(reachable: bool, pieces: list[Piece]) -> SelfMotionStatus:

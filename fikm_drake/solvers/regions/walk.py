@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.kinematics.angles import wrap
 from fikm_drake.solvers.regions.curve import FIRST_STEP, LEAST_STEP, CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.regions.events import first_limit
 
@@ -18,6 +19,7 @@ TOO_LONG = "too long"
 SAME = 1e-6
 """Points of a curve nearer than this are the same [rad or m]."""
 AT_LIMIT = 1e-12
+"""A joint this near to a limit is at it [rad or m]."""
 MOST_POINTS = 20_000
 """Of a walk."""
 
@@ -101,8 +103,7 @@ def _closing(
 ) -> CurvePoint | None:
     """The start, whole turns on, if the curve passes it between the two points."""
     offset = start.q - here.q
-    turns = np.where(periodic, np.round(-offset / (2.0 * np.pi)), 0.0)
-    offset = offset + 2.0 * np.pi * turns
+    offset = np.where(periodic, wrap(offset), offset)
     chord = there.q - here.q
     along = float(here.tangent @ offset)
     if not (0.0 < along <= here.tangent @ chord and offset @ offset <= 2.0 * (chord @ chord)):
