@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from fikm_drake.experiments import batch_benchmark, pose_benchmark, step_benchmark
-from fikm_drake.experiments.anfis import regions_benchmark
+from fikm_drake.experiments.anfis import anfis_benchmark, regions_benchmark
 
 Progress = Callable[[float], None]
 
@@ -32,6 +32,12 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "anfis": Benchmark(
+        "training and bounds, beside anfis-toolbox where installed",
+        "rounds",
+        5,
+        anfis_benchmark.table,
     ),
     "regions": Benchmark(
         "feasible regions: exactness and time a point", "points", 5000, regions_benchmark.table

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,16 +11,16 @@ from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
 from fikm_drake.fuzzy.anfis.checks import checked_inputs, checked_rows
+from fikm_drake.fuzzy.anfis.input_scale import InputScale
 from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
 from fikm_drake.fuzzy.anfis.network import Network, even_network
-from fikm_drake.fuzzy.anfis.training import METHODS
+from fikm_drake.fuzzy.anfis.readable_rules import readable_rules
+from fikm_drake.fuzzy.anfis.training import METHODS, first_networks
 from fikm_drake.resources import load_yaml
 
 Array = NDArray[np.float64]
 RIDGE = 1e-12
-HELD = 1.1
-"""Scaled inputs are held within this: a little beyond the data the rules still hold, far away they do not."""
 BLOCK = 1 << 16
 """Intermediate numbers of a prediction that are held at a time, so that they stay in the cache."""
 
@@ -68,7 +68,7 @@ class Anfis:
         self._kind = kind
         self._network = even_network(KINDS[kind], counts, order)
         self._coefficients: Array | None = None
-        self._lower, self._upper = np.full(len(counts), -1.0), np.ones(len(counts))
+        self._scale = InputScale(np.full(len(counts), -1.0), np.ones(len(counts)))
         self._errors: list[float] = []
         self._validation_errors: list[float] = []
 
@@ -100,7 +100,7 @@ class Anfis:
     @property
     def input_range(self) -> tuple[Array, Array]:
         """Least and greatest value of each input in the training data, two (d,)."""
-        return self._lower.copy(), self._upper.copy()
+        return self._scale.lower.copy(), self._scale.upper.copy()
 
     @property
     def training_error(self) -> Array:
@@ -174,13 +174,14 @@ class Anfis:
             if not low < high:
                 raise ValueError(f"input {name!r} is always {low}: leave it out")
 
-        self._lower, self._upper = lower, upper
+        self._scale = InputScale(lower, upper)
         unit = (
             float(np.abs(Y).max()) or 1.0
         )  # the damping of the training is for outputs of about 1
-        data = LeastSquares(self._scaled(X), Y / unit, ridge)
+        data = LeastSquares(self._scale.scaled(X), Y / unit, ridge)
         best = np.inf
-        for k, network in enumerate(self._starts(starts, seed)):
+        even = even_network(KINDS[self._kind], self.memberships, self.order)
+        for k, network in enumerate(first_networks(even, starts, seed)):
             errors: list[float] = []
             validation_errors: list[float] = []
             for epoch, state in zip(range(1, epochs + 1), METHODS[method](data, network)):
@@ -189,7 +190,7 @@ class Anfis:
                 coefficients = unit * state.coefficients
                 if validation is not None:
                     x, y = validation
-                    output = self._output(self._scaled(x), state.network, coefficients)
+                    output = self._output(self._scale.scaled(x), state.network, coefficients)
                     error = float(np.sqrt(np.mean((output - y) ** 2)))
                     validation_errors.append(error)
                 if error < best:
@@ -207,18 +208,12 @@ class Anfis:
             ValueError: the inputs have another shape, or nothing has been learned yet.
         """
         X = checked_inputs("X", X, len(self.memberships))
-        return self._output(self._scaled(X), self._network, self._trained())
+        return self._output(self._scale.scaled(X), self._network, self._trained())
 
     def grades(self, k: int, values: ArrayLike) -> Array:
         """Grades (m_k,N) of the memberships of input k (from 0) at values (N,) of it."""
-        low, high = self._lower[k], self._upper[k]
-        x = (2.0 * np.asarray(values, dtype=float) - low - high) / (high - low)
+        x = (np.asarray(values, dtype=float) - self._scale.middle[k]) / self._scale.half[k]
         return np.exp(self._network.kind.log_grades(x, self._network.premises[k]))
-
-    def centers(self, k: int) -> Array:
-        """Centers (m_k,) of the memberships of input k (from 0), in its unit, as in `rules`."""
-        scaled = self._network.premises[k][0]
-        return 0.5 * (self._lower[k] + self._upper[k] + scaled * (self._upper[k] - self._lower[k]))
 
     def rules(self) -> list[str]:
         """Readable rules, the last input running fastest; a membership goes by its center.
@@ -226,24 +221,7 @@ class Anfis:
         Raises:
             ValueError: nothing has been learned yet.
         """
-        *inputs, output = self._names
-        table = self._trained().reshape(self.num_rules, -1)
-        constants, slopes = table[:, 0], table[:, 1:]
-        if self.order:  # from scaled inputs to the user's
-            half = 0.5 * (self._upper - self._lower)
-            slopes = slopes / half
-            constants = constants - slopes @ (self._lower + half)
-        centers = [self.centers(k) for k in range(len(inputs))]
-        lines = []
-        for r, index in enumerate(np.ndindex(self.memberships)):
-            premise = " AND ".join(
-                f"{name} is about {centers[k][i]:.4g}"
-                for k, (name, i) in enumerate(zip(inputs, index))
-            )
-            terms = [f"{constants[r]:.4g}"]
-            terms += [f"{'+-'[int(q < 0)]} {abs(q):.4g} {x}" for q, x in zip(slopes[r], inputs)]
-            lines.append(f"IF {premise} THEN {output} = {' '.join(terms)}")
-        return lines
+        return readable_rules(self._network, self._trained(), self._scale, self._names)
 
     def to_data(self) -> AnfisData:
         """Everything, as what is written to a file.
@@ -255,8 +233,8 @@ class Anfis:
             names=list(self._names),
             kind=self._kind,
             order=self.order,
-            lower=self._lower.tolist(),
-            upper=self._upper.tolist(),
+            lower=self._scale.lower.tolist(),
+            upper=self._scale.upper.tolist(),
             premises=[premise.tolist() for premise in self._network.premises],
             coefficients=self._trained().reshape(self.num_rules, -1).tolist(),
             training_error=list(self._errors),
@@ -276,7 +254,7 @@ class Anfis:
         premises = tuple(np.array(premise) for premise in data.premises)
         anfis._network = Network(KINDS[data.kind], premises, data.order)
         anfis._coefficients = np.array(data.coefficients).ravel()
-        anfis._lower, anfis._upper = np.array(data.lower), np.array(data.upper)
+        anfis._scale = InputScale(np.array(data.lower), np.array(data.upper))
         anfis._errors, anfis._validation_errors = data.training_error, data.validation_error
         return anfis
 
@@ -307,25 +285,6 @@ class Anfis:
         if self._coefficients is None:
             raise ValueError("nothing has been learned yet: call fit first")
         return self._coefficients
-
-    def _starts(self, count: int, seed: int) -> Iterator[Network]:
-        """Networks to begin with, the first with the even partition."""
-        kind, rng = KINDS[self._kind], np.random.default_rng(seed)
-        even = even_network(kind, self.memberships, self.order)
-        yield even
-        for _ in range(count - 1):
-            moves = [
-                np.concatenate(
-                    [rng.uniform(-1.0, 1.0, (1, m)) / m, rng.uniform(-0.5, 0.5, (p - 1, m))]
-                )
-                for p, m in (premise.shape for premise in even.premises)
-            ]
-            yield even.with_parameters(even.parameters + np.concatenate([m.ravel() for m in moves]))
-
-    def _scaled(self, X: Array) -> Array:
-        """Inputs (d,N), [−1, 1] for the range of the training data, held near it."""
-        middle, half = 0.5 * (self._lower + self._upper), 0.5 * (self._upper - self._lower)
-        return np.clip((X.T - middle[:, None]) / half[:, None], -HELD, HELD)
 
     @staticmethod
     def _output(x: Array, network: Network, coefficients: Array) -> Array:

@@ -28,6 +28,17 @@ class Epoch(NamedTuple):
     coefficients: Array
 
 
+def first_networks(even: Network, count: int, seed: int) -> Iterator[Network]:
+    """Networks to start from: the even one, then others with their memberships moved at random."""
+    yield even
+    rng = np.random.default_rng(seed)
+    for _ in range(count - 1):
+        moves = []
+        for p, m in (premise.shape for premise in even.premises):
+            moves += [rng.uniform(-1.0, 1.0, m) / m, rng.uniform(-0.5, 0.5, (p - 1) * m)]
+        yield even.with_parameters(even.parameters + np.concatenate(moves))
+
+
 def hybrid(data: LeastSquares, network: Network) -> Iterator[Epoch]:
     """Jang's hybrid rule: least squares, then a step of the premises down the gradient.
 

@@ -20,8 +20,8 @@ def workspace_points(arm: DhArm, count: int, *, edge: bool = False) -> Array:
     Args:
         arm: a planar arm with three revolute joints about z.
         count: about how many points.
-        edge: whether to add every second point where a grid line leaves the workspace. There the
-            bounds change fastest, and a grid alone leaves up to a step of it uncovered.
+        edge: whether to add the points where grid lines leave the workspace. There the bounds change
+            fastest, and a grid alone leaves up to a step uncovered.
 
     Returns:
         (N,2) [m], N about `count`.
@@ -36,11 +36,25 @@ def workspace_points(arm: DhArm, count: int, *, edge: bool = False) -> Array:
     for _ in range(2):  # the second time with the edge's points known
         points, crossings = _grid(arm, step)
         if edge:
-            points = np.concatenate([points, _edge(arm, crossings[::2])])
+            points = np.concatenate([points, _edge(arm, crossings)])
         if not len(points):
             raise ValueError(f"arm {arm.name!r} reaches no point of a grid of {step:.3g} m")
         step *= np.sqrt(len(points) / count)
     return points
+
+
+def random_workspace_points(arm: DhArm, count: int, seed: int) -> Array:
+    """Random points (count,2) [m], uniform over the workspace of a planar 3R arm inside its limits.
+
+    Raises:
+        ValueError: the arm is of another kind.
+    """
+    geometry, rng = Planar3R(arm), np.random.default_rng(seed)
+    reach, found = float(geometry.lengths.sum()), np.empty((0, 2))
+    while len(found) < count:
+        points = geometry.base + rng.uniform(-reach, reach, (count, 2))
+        found = np.concatenate([found, points[feasible_interval_table(arm, points).feasible]])
+    return found[:count]
 
 
 def _grid(arm: DhArm, step: float) -> tuple[Array, Array]:
