@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.cli.progress import progress
-from fikm_drake.experiments.anfis.freedom import train_freedom
+from fikm_drake.experiments.anfis.seven_joints import train_freedom
 from fikm_drake.experiments.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.training import METHODS

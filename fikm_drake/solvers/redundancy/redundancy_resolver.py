@@ -10,6 +10,8 @@ from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatu
 from fikm_drake.solvers.regions.feasible_intervals import EDGE, feasible_interval_table
 
 Array = NDArray[np.float64]
+FARTHEST = 1e100
+"""Points beyond this are not valid: their squares overflow [m]."""
 
 
 class RedundancyResolver:
@@ -59,6 +61,10 @@ class RedundancyResolver:
             ValueError: the points have another shape.
         """
         points = np.asarray(points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise ValueError(f"points must have shape (N, 2), got {points.shape}")
+        valid = (np.abs(points) < FARTHEST).all(axis=1)
+        points = np.where(valid[:, None], points, np.nan)
         lower, upper = self._bounds.predict(points)
         q, inside = self._postures(points, lower, upper, 0.0)
         status = np.where(inside, ResolutionStatus.RESOLVED, ResolutionStatus.REPAIRED)
@@ -66,7 +72,7 @@ class RedundancyResolver:
         lower[failed], upper[failed] = feasible_interval_table(self._arm, points[failed]).widest()
         q[failed], repaired = self._postures(points[failed], lower[failed], upper[failed], EDGE)
         status[failed[~repaired]] = ResolutionStatus.INFEASIBLE
-        status[~np.isfinite(points).all(axis=1)] = ResolutionStatus.INVALID_TARGET
+        status[~valid] = ResolutionStatus.INVALID_TARGET
         success = status <= ResolutionStatus.REPAIRED
         for array in (q, lower, upper):
             array[~success] = np.nan

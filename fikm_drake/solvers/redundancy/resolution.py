@@ -17,7 +17,7 @@ class ResolutionStatus(IntEnum):
     INFEASIBLE = 2
     """No posture reaches the point inside all limits: proven by the exact bounds."""
     INVALID_TARGET = 3
-    """NaN or infinite."""
+    """NaN, infinite or beyond 1e100 m."""
 
 
 @dataclass(frozen=True)

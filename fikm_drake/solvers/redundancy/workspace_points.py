@@ -29,6 +29,8 @@ def workspace_points(arm: DhArm, count: int, *, edge: bool = False) -> Array:
     Raises:
         ValueError: the arm is of another kind, or the workspace is too small for the count.
     """
+    if not count > 0:
+        raise ValueError(f"count must be positive, got {count!r}")
     reach = float(Planar3R(arm).lengths.sum())
     coarse = 2.0 * reach / COARSE
     found, _ = _grid(arm, coarse)
