@@ -14,7 +14,7 @@ from fikm_drake.experiments.anfis.samples import (
     rms_and_max,
 )
 from fikm_drake.experiments.anfis.static_solution import load_static
-from fikm_drake.experiments.anfis.tables import bilinear_table, radial_table
+from fikm_drake.experiments.anfis.tables import NUMBERS, bilinear_table, radial_table
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.load_arm import load_arm
@@ -24,8 +24,6 @@ from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds, bounds_i
 RMS = {"upper": 0.0025, "lower": 0.0027, "static": 0.0028}
 LARGEST = 0.06
 """Claimed errors over fresh points [rad]."""
-NUMBERS = 224
-"""Of an 8 x 8 ANFIS: 192 coefficients and 32 parameters of memberships."""
 
 
 def polar_anfis() -> dict[str, Anfis]:

@@ -16,6 +16,7 @@ from fikm_drake.experiments.anfis.samples import (
     rms_and_max,
     training_points,
 )
+from fikm_drake.experiments.anfis.tables import NUMBERS, bilinear_table
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 
@@ -39,7 +40,7 @@ def hybrid_anfis() -> dict[str, Anfis]:
 
 def figure_4_8() -> Section:
     """Table 4.1 and figures 4.8-4.11: memberships, training errors, errors over fresh points."""
-    learned = hybrid_anfis()
+    learned, values = hybrid_anfis(), exact(training_points())
     cells = [
         Cell("training points", 3356, len(training_points())),
         Cell("rules of each ANFIS", 64, learned["upper"].num_rules),
@@ -52,6 +53,9 @@ def figure_4_8() -> Section:
             Cell(f"{name}: rms error, fresh points [rad]", None, rms, rms <= RMS[name]),
             Cell(f"{name}: largest error, fresh points [rad]", None, largest),
         ]
+        bilinear = bilinear_table(training_points(), values[name], round(np.sqrt(NUMBERS)))
+        rms, _ = rms_and_max(bilinear(*fresh_points().T) - fresh_values()[name])
+        cells.append(Cell(f"{name}: bilinear table of its size, rms error [rad]", None, rms))
     notes = [
         f"Fresh points: {FRESH_POINTS}, uniform over the workspace, seed {SEED}. Claimed: rms at most "
         + ", ".join(f"{RMS[name]:g} ({name})" for name in QUANTITIES)

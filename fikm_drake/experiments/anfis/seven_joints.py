@@ -103,7 +103,7 @@ def freedom() -> Section:
 
 
 def _map(ticks: list[Array], lengths: Array) -> Figure:
-    figure = Figure(figsize=(6, 4.6), layout="constrained")
+    figure = Figure(figsize=(4.6, 6), layout="constrained")
     axes = figure.subplots()
     filled = axes.contourf(*ticks, lengths.reshape(MAP, MAP).T, levels=20)
     figure.colorbar(filled, ax=axes, label="longest self-motion [rad]")

@@ -11,6 +11,8 @@ from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
 
 Array = NDArray[np.float64]
+NUMBERS = 224
+"""Of an 8 x 8 ANFIS: 192 coefficients and 32 parameters of memberships."""
 
 
 def bilinear_table(X: Array, Y: Array, side: int) -> RuleBase:
