@@ -114,13 +114,20 @@ def seeds(curve: SelfMotionCurve, line: Array, closed: bool) -> list[CurvePoint]
 
 
 def _past_limits(task: SpareTask, line: Array) -> Array:
-    """How far the points of a polyline are past the limits of the joints that can end a piece."""
+    """How far the points (D,k) of a polyline are past each limit that can end a piece (D,L).
+
+    A joint half a turn from the middle of its range jumps from past its upper to past its lower
+    limit: places that are seen there are outside, and do no harm.
+    """
     half = 0.5 * (task.upper - task.lower)
     narrow = task.revolute & (half < np.pi)
-    turning = np.abs(wrap(line - task.middle)) - half
-    sliding = np.maximum(task.lower - line, line - task.upper)
-    limited = narrow | (~task.revolute & (np.isfinite(task.lower) | np.isfinite(task.upper)))
-    return np.where(narrow, turning, sliding)[:, limited]
+    away = wrap(line - task.middle)
+    above = np.where(narrow, away - half, line - task.upper)
+    below = np.where(narrow, -away - half, task.lower - line)
+    ends = narrow | ~task.revolute
+    return np.concatenate(
+        [above[:, ends & np.isfinite(task.upper)], below[:, ends & np.isfinite(task.lower)]], axis=1
+    )
 
 
 def _crossings(past: Array) -> Array:

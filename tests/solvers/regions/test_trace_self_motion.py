@@ -102,6 +102,18 @@ def test_random_planar_arms_with_several_components(seed):
         assert bool(motion.components) == bool(exact)
 
 
+def test_a_joint_with_hardly_any_range():
+    """A piece of the self-motion that is far shorter than a step along it is found."""
+    arm = planar((0.6, 1.5, 1.1), [(0.7, 0.7005), (-2.5, 2.0), (-3.0, 2.8)])
+    tracer = SelfMotionTracer(arm, "xy")
+    q = np.random.default_rng(8).uniform(arm.lower, arm.upper, (30, 3))
+    for point in arm.forward_kinematics(q)[:, :2, 3]:
+        traced, exact = tracer.trace(point).intervals(1), feasible_intervals(arm, point)
+        assert len(traced) == len(exact) == 1
+        assert traced[0].lower == pytest.approx(exact[0].lower, abs=1e-9)
+        assert traced[0].upper == pytest.approx(exact[0].upper, abs=1e-9)
+
+
 @pytest.mark.parametrize("name", ["iiwa14", "panda"])
 def test_poses_of_7_joint_arms(name):
     arm = load_arm(name)
