@@ -66,7 +66,7 @@ class FeasibilityData:
 
 @dataclass(frozen=True)
 class FeasibilityRows:
-    """The data of a few points; made by a worker, so it can be pickled."""
+    """The columns of `FeasibilityData` for a few points; what a worker sends back."""
 
     count: NDArray[np.int_]
     lower: Array

@@ -79,7 +79,8 @@ class SelfMotionComponent:
         moving = self.curve.task.moving
         row = self.tangents[max(int(np.searchsorted(self.arc_length, arc_length)) - 1, 0), moving]
         point = self.curve.solve(guess[moving], row, float(row @ guess[moving]))
-        return guess if point is None else self.curve.task.full(point.q, self.q[0])
+        q = guess if point is None else self.curve.task.full(point.q, self.q[0])
+        return np.clip(q, self.lower, self.upper)
 
     def closest_to(self, reference: ArrayLike) -> Array:
         """The posture (n,) with the least Σ (q_i − reference_i)² [rad or m].

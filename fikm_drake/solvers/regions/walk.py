@@ -65,6 +65,7 @@ def walk(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step: floa
         limit = first_limit(curve, here, there, walls.lower, walls.upper)
         if limit:
             there, joint, side = limit
+            there = replace(there, q=np.clip(there.q, walls.lower, walls.upper))
             end = limit_name(curve, joint, side)
         elif closing:
             end = CLOSED

@@ -51,7 +51,7 @@ def check(arm, motion, target, rows=slice(None), task_tolerance=1e-12):
             if end != "closed":
                 _, joint, side = end.split()
                 limit = (arm.lower if side == "lower" else arm.upper)[int(joint) - 1]
-                assert point[int(joint) - 1] == pytest.approx(limit, abs=1e-12)
+                assert point[int(joint) - 1] == limit
         assert (component.lower <= q.min(axis=0)).all()
         assert (component.upper >= q.max(axis=0)).all()
 
