@@ -1,5 +1,7 @@
 """The learner: what it learns, keeps, writes and refuses."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -78,6 +80,19 @@ def test_linear_functions_are_exact_and_read_so(order):
     assert rules[0].startswith("IF r is about ") and " AND phi is about " in rules[0]
     consequents = {rule.split(" THEN ")[1] for rule in rules}
     assert consequents == {"theta = 7 + 3 r - 2 phi" if order else "theta = 7"}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_memory_is_bounded_however_many_rows(method):
+    """The matrix of least squares alone would take 84 MB here, 120 MB with derivatives."""
+    rng = np.random.default_rng(5)
+    X = rng.uniform(-1, 1, (375_000, 2))
+    Y = X.prod(axis=1)
+    tracemalloc.start()
+    fd.Anfis((3, 3)).fit(X, Y, epochs=1, method=method).predict(X)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 60e6
 
 
 def test_one_and_three_inputs():
