@@ -174,11 +174,9 @@ class Anfis:
             if not low < high:
                 raise ValueError(f"input {name!r} is always {low}: leave it out")
 
-        self._scale = InputScale(lower, upper)
-        unit = (
-            float(np.abs(Y).max()) or 1.0
-        )  # the damping of the training is for outputs of about 1
-        data = LeastSquares(self._scale.scaled(X), Y / unit, ridge)
+        scale = InputScale(lower, upper)
+        unit = float(np.abs(Y).max()) or 1.0  # first step and damping are for outputs of about 1
+        data = LeastSquares(scale.scaled(X), Y / unit, ridge)
         best = np.inf
         even = even_network(KINDS[self._kind], self.memberships, self.order)
         for k, network in enumerate(first_networks(even, starts, seed)):
@@ -190,12 +188,13 @@ class Anfis:
                 coefficients = unit * state.coefficients
                 if validation is not None:
                     x, y = validation
-                    output = self._output(self._scale.scaled(x), state.network, coefficients)
+                    output = self._output(scale.scaled(x), state.network, coefficients)
                     error = float(np.sqrt(np.mean((output - y) ** 2)))
                     validation_errors.append(error)
                 if error < best:
                     best = error
-                    self._network, self._coefficients = state.network, coefficients
+                    self._scale, self._network = scale, state.network
+                    self._coefficients = coefficients
                     self._errors, self._validation_errors = errors, validation_errors
                 if progress:
                     progress((k + epoch / epochs) / starts)

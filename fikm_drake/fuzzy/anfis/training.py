@@ -72,7 +72,8 @@ def variable_projection(data: LeastSquares, network: Network) -> Iterator[Epoch]
     while True:
         step = _damped_step(A, b, damping)
         tried = network.with_parameters(network.parameters + step)
-        found = data.project(tried)
+        with np.errstate(over="ignore", invalid="ignore"):  # of a step too long: it is not taken
+            found = data.project(tried)
         gain = best.objective - found.objective
         if gain > 0.0:
             foreseen = float(np.sum(b**2) - np.sum((b - A @ step) ** 2))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
+from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.training import METHODS
 
 LINKS = 10.0, 7.0
@@ -146,6 +147,20 @@ def test_an_interruption_keeps_the_best_so_far(wave):
     assert len(anfis.training_error) == 4
     measured = np.sqrt(np.mean((anfis.predict(X) - Y) ** 2))
     assert measured == pytest.approx(anfis.training_error.min(), rel=1e-9)
+
+
+def test_an_interruption_before_the_first_epoch_changes_nothing(wave, monkeypatch):
+    X, Y = wave
+    anfis = fd.Anfis((3, 3)).fit(X, Y, epochs=2)
+    before = anfis.predict(X)
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(LeastSquares, "project", stop)
+    with pytest.raises(KeyboardInterrupt):
+        anfis.fit(10 * X, Y, epochs=2)
+    np.testing.assert_array_equal(anfis.predict(X), before)
 
 
 def test_far_outside_the_data_it_is_held(wave):
