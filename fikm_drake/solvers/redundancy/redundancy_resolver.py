@@ -69,9 +69,11 @@ class RedundancyResolver:
         q, inside = self._postures(points, lower, upper, 0.0)
         status = np.where(inside, ResolutionStatus.RESOLVED, ResolutionStatus.REPAIRED)
         failed = np.flatnonzero(~inside)
-        lower[failed], upper[failed] = feasible_interval_table(self._arm, points[failed]).widest()
-        q[failed], repaired = self._postures(points[failed], lower[failed], upper[failed], EDGE)
-        status[failed[~repaired]] = ResolutionStatus.INFEASIBLE
+        if failed.size:
+            exact = feasible_interval_table(self._arm, points[failed]).widest()
+            lower[failed], upper[failed] = exact
+            q[failed], repaired = self._postures(points[failed], *exact, EDGE)
+            status[failed[~repaired]] = ResolutionStatus.INFEASIBLE
         status[~valid] = ResolutionStatus.INVALID_TARGET
         success = status <= ResolutionStatus.REPAIRED
         for array in (q, lower, upper):
