@@ -15,6 +15,7 @@ from fikm_drake.experiments.anfis.samples import (
     fresh_values,
     rms_and_max,
     training_points,
+    validation_points,
 )
 from fikm_drake.experiments.anfis.tables import NUMBERS, bilinear_table
 from fikm_drake.experiments.report import Cell, Section
@@ -28,11 +29,11 @@ RMS = {"upper": 0.0088, "lower": 0.0040, "static": 0.0030}
 @cache
 def hybrid_anfis() -> dict[str, Anfis]:
     """The ANFIS of Table 4.1, trained on the exact bounds."""
-    points = training_points()
-    values = exact(points)
+    points, held = training_points(), validation_points()
+    values, wanted = exact(points), exact(held)
     return {
         name: Anfis((8, 8), names=("x", "y", f"theta_1_{name}")).fit(
-            points, values[name], epochs=EPOCHS
+            points, values[name], epochs=EPOCHS, validation=(held, wanted[name])
         )
         for name in QUANTITIES
     }
@@ -94,10 +95,12 @@ def _memberships(learned: dict[str, Anfis]) -> Figure:
 def _training(learned: dict[str, Anfis]) -> Figure:
     figure = Figure(figsize=(10, 3.4), layout="constrained")
     for axes, (name, anfis) in zip(figure.subplots(1, 3), learned.items()):
-        axes.plot(range(1, EPOCHS + 1), 1000 * anfis.training_error)
+        axes.plot(range(1, EPOCHS + 1), 1000 * anfis.training_error, label="training")
+        axes.plot(range(1, EPOCHS + 1), 1000 * anfis.validation_error, label="validation")
         axes.set_title(name)
         axes.set_xlabel("epoch")
         axes.set_ylim(bottom=0)
         axes.grid(alpha=0.3)
-    figure.axes[0].set_ylabel("rms training error [mrad]")
+    figure.axes[0].set_ylabel("rms error [mrad]")
+    figure.axes[0].legend()
     return figure

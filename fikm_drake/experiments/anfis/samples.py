@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 TRAINING_POINTS = 3356
 """As many as the thesis's, about."""
 FRESH_POINTS, SEED = 20_000, 1
+VALIDATION_POINTS, VALIDATION_SEED = 2000, 0
 QUANTITIES = ("upper", "lower", "static")
 """Of joint 1: its bounds, and its position in the posture that is closest to mid-range."""
 
@@ -32,6 +33,12 @@ def training_points() -> Array:
 def edged_training_points() -> Array:
     """(N,2) as many, some of them on the edge of the workspace [m]."""
     return workspace_points(load_arm(ARM), TRAINING_POINTS, edge=True)
+
+
+@cache
+def validation_points() -> Array:
+    """(2000,2) random, uniform over the workspace; they choose the best epoch [m]."""
+    return random_workspace_points(load_arm(ARM), VALIDATION_POINTS, VALIDATION_SEED)
 
 
 @cache
