@@ -21,6 +21,7 @@ from fikm_drake.diagrams.supervised_differential_ik import (
     SupervisedDifferentialIk,
 )
 from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy.anfis import Anfis
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani import (
     FuzzyRule,
@@ -37,6 +38,7 @@ from fikm_drake.kinematics.desk import Desk, load_desk
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -59,6 +61,25 @@ from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.desk_data import DeskData, load_desk_data
 from fikm_drake.solvers.desk_inverse import DeskInverse
 from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
+from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
+from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
+from fikm_drake.solvers.redundancy.train_bounds import train_bounds
+from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
+from fikm_drake.solvers.regions.feasibility_data import FeasibilityData
+from fikm_drake.solvers.regions.feasible_intervals import (
+    feasible_interval_table,
+    feasible_intervals,
+)
+from fikm_drake.solvers.regions.generate_feasibility_data import generate_feasibility_data
+from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
+from fikm_drake.solvers.regions.minimum_norm_path import minimum_norm_path
+from fikm_drake.solvers.regions.self_motion import (
+    SelfMotion,
+    SelfMotionComponent,
+    SelfMotionStatus,
+)
+from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer, trace_self_motion
 from fikm_drake.solvers.solve_batch import solve_batch
 from fikm_drake.solvers.tilted_plane_inverse import TiltedPlaneInverse
 from fikm_drake.systems.command_supervisor import CommandSupervisor
@@ -73,6 +94,7 @@ from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.variable_gain import VariableGain
@@ -84,6 +106,7 @@ __all__ = [
     "AddFuzzyIkController",
     "AddFuzzyIkTorqueController",
     "AddSupervisedDifferentialIk",
+    "Anfis",
     "BatchSolution",
     "BatchStatus",
     "CommandSupervision",
@@ -101,6 +124,8 @@ __all__ = [
     "DhJoint",
     "DhTable",
     "DhTransform",
+    "FeasibilityData",
+    "FeasibleInterval",
     "FusedFuzzyIk",
     "FuzzyIk",
     "FuzzyIkConfig",
@@ -118,18 +143,29 @@ __all__ = [
     "IntegerFuzzyIk",
     "IntegerFuzzyIkStatus",
     "IntegerFuzzyIkSystem",
+    "IntervalTable",
     "JacobianTranspose",
     "JointIntegrator",
     "JointReference",
     "LabVoltIk",
     "LastFinite",
     "Law",
+    "LearnedBounds",
     "LowPassFilter",
     "MakeFuzzyIkController",
     "MamdaniConfig",
     "MamdaniSystem",
+    "Planar3R",
     "PseudoInverse",
+    "RedundancyIk",
+    "RedundancyResolver",
+    "Resolution",
+    "ResolutionStatus",
     "RuleBase",
+    "SelfMotion",
+    "SelfMotionComponent",
+    "SelfMotionStatus",
+    "SelfMotionTracer",
     "SimulationStopped",
     "StatusMonitor",
     "SupervisedDifferentialIk",
@@ -142,6 +178,10 @@ __all__ = [
     "Triangle",
     "TriangularPartition",
     "VariableGain",
+    "closest_to_mid_range",
+    "feasible_interval_table",
+    "feasible_intervals",
+    "generate_feasibility_data",
     "generate_rule_base",
     "labvolt",
     "load_arm",
@@ -149,10 +189,13 @@ __all__ = [
     "load_desk_data",
     "load_mamdani",
     "load_scenario",
+    "minimum_norm_path",
     "plot_log",
     "plot_memberships",
     "plot_surface",
     "simulate",
     "solve_batch",
+    "trace_self_motion",
+    "train_bounds",
     "write_html",
 ]

@@ -11,6 +11,7 @@ from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.run import add_run
+from fikm_drake.cli.train import add_train
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,6 +39,14 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    for add in (add_run, add_models, add_reproduce, add_benchmark, add_export_c, add_calibrate):
+    for add in (
+        add_run,
+        add_models,
+        add_reproduce,
+        add_benchmark,
+        add_export_c,
+        add_calibrate,
+        add_train,
+    ):
         add(commands)
     return parser

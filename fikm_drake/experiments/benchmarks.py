@@ -13,6 +13,7 @@ from fikm_drake.experiments import (
     step_benchmark,
     supervise_benchmark,
 )
+from fikm_drake.experiments.anfis import anfis_benchmark, regions_benchmark
 from fikm_drake.experiments.labvolt import benchmark as labvolt_benchmark
 
 Progress = Callable[[float], None]
@@ -65,6 +66,15 @@ BENCHMARKS = {
         "rounds",
         10,
         mamdani_benchmark.table,
+    ),
+    "anfis": Benchmark(
+        "training and bounds, beside anfis-toolbox where installed",
+        "rounds",
+        5,
+        anfis_benchmark.table,
+    ),
+    "regions": Benchmark(
+        "feasible regions: exactness and time a point", "points", 5000, regions_benchmark.table
     ),
 }
 """Benchmarks by name."""

@@ -1,13 +1,14 @@
 """The papers that `fikm-drake reproduce` knows."""
 
-from fikm_drake.experiments import fikm, frmrc, integer, labvolt
+from fikm_drake.experiments import anfis, fikm, frmrc, integer, labvolt
 from fikm_drake.experiments.report import Experiment
 
 PAPERS: dict[str, dict[str, Experiment]] = {
     "fikm": fikm.EXPERIMENTS,
+    "anfis": anfis.EXPERIMENTS,
     "frmrc": frmrc.EXPERIMENTS,
-    "integer": integer.EXPERIMENTS,
     "labvolt": labvolt.EXPERIMENTS,
+    "integer": integer.EXPERIMENTS,
 }
 """Experiments of each paper by name."""
 

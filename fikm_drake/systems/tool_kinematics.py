@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.multibody.parsing import GetScopedFrameByName
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
+from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import InputPort, LeafSystem
 
+from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.steps import all_finite
@@ -37,17 +37,11 @@ class ToolKinematics:
     """
 
     def __init__(self, plant: MultibodyPlant, frame: str, task: Task) -> None:
-        if not plant.is_finalized():
-            raise ValueError("the plant must be finalized: call plant.Finalize() first")
-        if plant.num_positions() == 0 or not plant.IsVelocityEqualToQDot():
-            raise ValueError(
-                "the plant must have joints, and only such whose velocities are the rates of their "
-                "positions; weld its base (a free base has a quaternion)"
-            )
+        check_plant(plant)
         self.plant = plant
         self.num_joints = plant.num_positions()
         self.task = task
-        self._frame = _frame_by_name(plant, frame)
+        self._frame = frame_by_name(plant, frame)
         self._world = plant.world_frame()
         self._scratch = _Scratch(plant)
         self._no_error = np.full(task.size, np.nan)
@@ -142,14 +136,3 @@ def _as_slice(axes: list[int]) -> slice:
     """The axes as a slice, which costs a step less than a list."""
     stride = axes[1] - axes[0] if len(axes) > 1 else 1
     return slice(axes[0], axes[-1] + 1, stride) if axes else slice(0)
-
-
-def _frame_by_name(plant: MultibodyPlant, name: str) -> Frame:
-    try:
-        return GetScopedFrameByName(plant, name)
-    except RuntimeError:
-        frames = (plant.get_frame(FrameIndex(i)) for i in range(plant.num_frames()))
-        raise ValueError(
-            f"frame must name exactly one frame of the plant, got {name!r}; there are: "
-            + ", ".join(frame.scoped_name().get_full() for frame in frames)
-        ) from None

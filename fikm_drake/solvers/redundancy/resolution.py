@@ -1,0 +1,49 @@
+"""What `RedundancyResolver.resolve` returns."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class ResolutionStatus(IntEnum):
+    """How the joints of one point were found."""
+
+    RESOLVED = 0
+    """In the middle of the learned bounds, inside all limits."""
+    REPAIRED = 1
+    """The learned middle was outside a limit: in the middle of the exact bounds."""
+    INFEASIBLE = 2
+    """No posture reaches the point inside all limits: proven by the exact bounds."""
+    INVALID_TARGET = 3
+    """NaN, infinite or beyond 1e100 m."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Joint positions for N points."""
+
+    q: NDArray[np.float64]
+    """(N,3) [rad], inside all limits; NaN where there is no success."""
+    success: NDArray[np.bool_]
+    """(N,)."""
+    status: NDArray[np.int_]
+    """(N,): values of `ResolutionStatus`."""
+    lower: NDArray[np.float64]
+    """(N,) lower bound of joint 1 [rad], learned, exact where repaired, NaN without success."""
+    upper: NDArray[np.float64]
+    """(N,) upper bound of joint 1 [rad], alike."""
+    position_error: NDArray[np.float64]
+    """(N,) distance of the tool from the point by forward kinematics [m]; NaN without success."""
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __repr__(self) -> str:
+        counts = ", ".join(
+            f"{np.count_nonzero(self.status == status)} {status.name.lower()}"
+            for status in ResolutionStatus
+            if (self.status == status).any()
+        )
+        return f"<Resolution: {counts or 'no points'}>"

@@ -1,0 +1,122 @@
+"""Trains functions of the workspace of a planar arm, such as the bounds of its redundant joint."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.fuzzy.anfis.anfis import Anfis
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.solvers.redundancy.learned_bounds import (
+    LearnedBounds,
+    bounds_inputs,
+    check_inputs,
+)
+from fikm_drake.solvers.redundancy.workspace_points import random_workspace_points, workspace_points
+from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
+
+Array = NDArray[np.float64]
+NAMES = {"xy": ("x", "y"), "polar": ("r", "phi")}
+POINTS = 3356
+"""As many as the thesis's."""
+STARTS = 4
+RIDGE = 1e-9
+SEED = 0
+"""Of the points to validate on, and of the partitions to start from."""
+
+
+def train_bounds(
+    arm: DhArm,
+    *,
+    inputs: str = "polar",
+    memberships: tuple[int, int] = (8, 8),
+    points: int = POINTS,
+    method: str = "variable_projection",
+    epochs: int = 150,
+    starts: int = STARTS,
+    progress: Callable[[float], None] | None = None,
+) -> LearnedBounds:
+    """Train two ANFIS on the exact bounds of joint 1 over the arm's workspace.
+
+    Where a point has several intervals, the widest is learned. The same arm and options give the same
+    bounds. For the options see `train_on_workspace`.
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+    check_inputs(inputs)
+    learned = []
+    for k, name in enumerate(("lower", "upper")):
+
+        def bound(p: Array, k: int = k) -> Array:
+            return feasible_interval_table(arm, p).widest()[k]
+
+        def show(fraction: float, k: int = k) -> None:
+            if progress:
+                progress(0.5 * (k + fraction))
+
+        anfis = train_on_workspace(
+            arm,
+            bound,
+            f"theta_1_{name}",
+            inputs=inputs,
+            memberships=memberships,
+            points=points,
+            method=method,
+            epochs=epochs,
+            starts=starts,
+            progress=show,
+        )
+        learned.append(anfis)
+    return LearnedBounds(arm, inputs, *learned)
+
+
+def train_on_workspace(
+    arm: DhArm,
+    function: Callable[[Array], Array],
+    name: str,
+    *,
+    inputs: str = "polar",
+    memberships: tuple[int, int] = (8, 8),
+    points: int = POINTS,
+    method: str = "variable_projection",
+    epochs: int = 150,
+    starts: int = STARTS,
+    progress: Callable[[float], None] | None = None,
+) -> Anfis:
+    """Train an ANFIS on a function of the tool's position.
+
+    It learns from a grid over the workspace with its edge; the best epoch is the best over as many
+    random points.
+
+    Args:
+        arm: a planar arm with three revolute joints about z.
+        function: of feasible points (N,2) [m]; its values (N,) are learned.
+        name: of the value.
+        inputs: `polar` (distance from joint 1 and angle) or `xy`.
+        memberships: of each input.
+        points: about how many to learn from, see `workspace_points`.
+        method: see `Anfis.fit`.
+        epochs: see `Anfis.fit`.
+        starts: see `Anfis.fit`.
+        progress: called with the fraction done.
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+    check_inputs(inputs)
+    geometry = Planar3R(arm)
+    grid = workspace_points(arm, points, edge=True)
+    fresh = random_workspace_points(arm, points, SEED)
+    return Anfis(memberships, names=[*NAMES[inputs], name]).fit(
+        bounds_inputs(geometry, grid, inputs),
+        function(grid),
+        epochs=epochs,
+        method=method,
+        ridge=RIDGE,
+        starts=starts,
+        seed=SEED,
+        validation=(bounds_inputs(geometry, fresh, inputs), function(fresh)),
+        progress=progress,
+    )
