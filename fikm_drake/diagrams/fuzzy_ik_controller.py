@@ -48,7 +48,7 @@ class FuzzyIkController(Diagram):
     - **status** (1): a `ControllerStatus`.
 
     While an input is not finite the status says so, the task error reads zero and the command
-    holds; the filters meanwhile decay to rest.
+    holds, with limits of acceleration after braking; the filters meanwhile decay to rest.
 
     Args:
         plant: a finalized plant; it is not copied.

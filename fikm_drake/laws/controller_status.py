@@ -12,7 +12,7 @@ class ControllerStatus(IntEnum):
     """Value of a controller's `status` port; the first that holds, in the order of `controller_status`."""
 
     INVALID_INPUT = 0
-    """An input is NaN or infinite: the last good command holds."""
+    """An input is NaN or infinite: the command holds (with limits of acceleration it brakes first)."""
     CONVERGED = 1
     """The task error is within the tolerance."""
     LIMITED = 2

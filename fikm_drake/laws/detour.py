@@ -176,6 +176,7 @@ class Detour:
             memory[:4] = DetourState.STUCK, 0, 0, error
             return
         starts = self._starts + np.where(self._free, q, 0.0)
+        starts = np.clip(starts, self._lower, self._upper)
         sizes = [length(self._kinematics(desired, s)[0]) for s in starts]
         memory[1:4] = 0, start + 1, 0
         memory[4:] = starts[np.argsort(sizes, kind="stable")[start]]

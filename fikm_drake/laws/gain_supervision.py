@@ -13,11 +13,14 @@ from fikm_drake.laws.steps import length
 MAX_JOINTS = 52
 """The signs of the joint steps are kept as the bits of an integer in a double."""
 
-CALM, LAST_ERROR, HEAD = 2, 7, 9
+CALM, LAST_ERROR, HEAD = 2, 8, 10
 """Where the memory holds the calm, the last error and step, and where its rings begin."""
 
 LEAST_CALM = 1e-4
 """The gain is calmed to this fraction at the least, so that it finds back [-]."""
+
+STAYS = 0.85
+"""An error above this fraction of its mean over the slow window does not fall [-]."""
 
 AWAKE = 0.25
 """A target that moves brings the gain back to this fraction at once [-]."""
@@ -122,8 +125,8 @@ class GainSupervision:
     What it remembers is a vector that the caller keeps, so that a block's Context can:
 
     - the largest number of sign changes of a joint in the window, how many errors are known, the calm of
-      the gain (a factor from 1 down to `LEAST_CALM`), the largest number of sign changes in the slow
-      window, how many cycles are known;
+      the gain (a factor from 1 down to `LEAST_CALM`), the mean error over about the slow window, the
+      largest number of sign changes in it, how many cycles are known;
     - the joints whose last motion was positive, and those whose was negative (bit j: joint j);
     - while the calm may change, the last error and the length of the last joint step;
     - the last `window` errors, and the joints that changed sign (bits too) between each two of the
@@ -198,10 +201,11 @@ class GainSupervision:
 
     def remember(self, memory: Array, error: float, joint_step: Array) -> None:
         """Write a cycle with an error of length `error` [m] and these joint steps into `memory`."""
-        changes, known, calm, *head = memory[:LAST_ERROR].tolist()
+        changes, known, calm, mean, *head = memory[:LAST_ERROR].tolist()
         slow, cycles, was_positive, was_negative = map(int, head)
         if 0.0 < error < inf:
             memory[HEAD + int(known) % self._window] = min(error, self._error_limit)
+            mean += (error - mean) / self._slow_window if known else error
             known += 1
         positive = negative = 0
         bit, dead_band = 1, self._dead_band
@@ -220,32 +224,35 @@ class GainSupervision:
         if flips or memory[slow_slot]:
             memory[slow_slot] = flips
             slow = _most_changes(memory[self._slow_flips].tolist())
-        oscillates = changes >= self._threshold or slow >= self._slow_threshold
-        if (oscillates or calm < 1.0) and error < inf:
+        signs = changes >= self._threshold or slow >= self._slow_threshold
+        if (signs or calm < 1.0) and error < inf:
             if calm < 1.0 and _target_moved(memory, error):
                 memory[self._flips.start :] = changes = slow = 0  # what was seen holds no more
                 calm = max(calm, AWAKE)
             else:
-                calm = self._next_calm(memory, changes, slow, calm, error)
+                stays = slow >= self._slow_threshold and self._stays(memory, error, mean)
+                oscillates = changes >= self._threshold or stays
+                calm = self._next_calm(memory, oscillates, calm, error)
             motion = length(joint_step)
             memory[LAST_ERROR:HEAD] = error, motion if isfinite(motion) else 0.0
         memory[:LAST_ERROR] = (
             changes,
             known,
             calm,
+            mean,
             slow,
             cycles + 1,
             positive | was_positive & ~negative,
             negative | was_negative & ~positive,
         )
 
-    def _next_calm(
-        self, memory: Array, changes: int, slow: int, calm: float, error: float
-    ) -> float:
+    def _stays(self, memory: Array, error: float, mean: float) -> bool:
+        """True if the error neither falls nor shakes, as behind a target that shakes."""
         errors = memory[self._errors].tolist()
-        # Behind a target that shakes the error is now small, now large.
-        stays = min(errors) > 0.5 * max(errors)
-        if changes >= self._threshold or (slow >= self._slow_threshold and stays):
+        return error > STAYS * mean and min(errors) > 0.5 * max(errors)
+
+    def _next_calm(self, memory: Array, oscillates: bool, calm: float, error: float) -> float:
+        if oscillates:
             return max(LEAST_CALM, calm * self._calming)
         last_error = float(memory[LAST_ERROR])
         falls = last_error - error > PROGRESS * calm * last_error

@@ -24,7 +24,7 @@ class LimitWeights:
     """Weights (n,) from 0 to 1 for the columns of a Jacobian, by the rules of `limit_rules`.
 
     A law's step w · law(J · w, e) then leaves to the other joints what a joint near its limit cannot
-    do, and never crosses the limit.
+    do. The weighted step can turn another joint toward its limit, so `JointLimits` stays necessary.
 
     Args:
         lower: lower limits (n,) [rad or m]; −inf for none.
