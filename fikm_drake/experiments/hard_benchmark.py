@@ -16,6 +16,7 @@ from pydrake.multibody.inverse_kinematics import (
 
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.gain_supervision import GainSupervisorConfig
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.simulation.simulate import simulate
@@ -74,7 +75,10 @@ def hard_benchmark(
 
 def loops() -> dict[str, Loop]:
     """The methods: a scenario to the joint positions (N,n) after each cycle."""
-    sharp = FuzzyIkConfig.resolved_rate(iterations=3, damping=0.05, row_floor=0.05)
+    gain_1 = GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3)
+    sharp = FuzzyIkConfig.resolved_rate(
+        iterations=3, damping=0.05, row_floor=0.05, supervisor=gain_1
+    )
     return {
         "fuzzy, as in the paper": partial(_ours, FuzzyIkConfig.as_in_paper()),
         "fuzzy, calm (default)": partial(_ours, FuzzyIkConfig()),

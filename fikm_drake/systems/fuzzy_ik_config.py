@@ -103,7 +103,10 @@ class FuzzyIkConfig:
         plain: dict[str, Any] = {
             "gain_smoothing": 0.0,
             "error_smoothing": 0.0,
-            "supervisor": GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3),
+            "side_step": 0.0,
+            "supervisor": GainSupervisorConfig(
+                gains=[1.0] * 3, oscillating_gains=[1.0] * 3, calming=1.0
+            ),
         }
         return cls(**(plain | fields))
 
