@@ -90,6 +90,7 @@ class FuzzyMapping:
         self.damping = float(damping)
         self.row_floor, self.column_floor = float(row_floor), float(column_floor)
         self.zero_threshold = float(zero_threshold)
+        self._plain = iterations == 1 and not row_floor and not column_floor
         if method == "indirect":
             return
         self._range = np.array(jacobian_range, dtype=float)
@@ -151,8 +152,13 @@ class FuzzyMapping:
             return self(J, dr)
         A = np.abs(J)
         m, n = A.shape
-        rows = self._divisors(A.dot(_ones(n)), self.row_floor)
-        columns = self._divisors(_ones(m).dot(A), self.column_floor)
+        rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
+        if self._plain:
+            sums = rows.tolist() + columns.tolist()
+            if min(sums) > self.zero_threshold * max(sums):  # no sum is zero
+                return (dr / rows).dot(J) / columns
+        rows = self._divisors(rows, self.row_floor)
+        columns = self._divisors(columns, self.column_floor)
         if self.iterations == 1:
             return (dr / rows).dot(J) / columns
         rows, columns = np.sqrt(rows), np.sqrt(columns)

@@ -201,8 +201,8 @@ class GainSupervision:
 
     def remember(self, memory: Array, error: float, joint_step: Array) -> None:
         """Write a cycle with an error of length `error` [m] and these joint steps into `memory`."""
-        changes, known, calm, mean, *head = memory[:LAST_ERROR].tolist()
-        slow, cycles, was_positive, was_negative = map(int, head)
+        changes, known, calm, mean, slow, cycles, *signs = memory[:LAST_ERROR].tolist()
+        was_positive, was_negative = map(int, signs)
         if 0.0 < error < inf:
             memory[HEAD + int(known) % self._window] = min(error, self._error_limit)
             mean += (error - mean) / self._slow_window if known else error
@@ -216,16 +216,17 @@ class GainSupervision:
                 negative |= bit
             bit <<= 1
         flips = positive & was_negative | negative & was_positive
-        slot = self._flips.start + cycles % (self._window - 1)
-        slow_slot = self._slow_flips.start + cycles % (self._slow_window - 1)
-        if flips or memory[slot]:  # else the count stays
-            memory[slot] = flips
-            changes = _most_changes(memory[self._flips].tolist())
-        if flips or memory[slow_slot]:
-            memory[slow_slot] = flips
-            slow = _most_changes(memory[self._slow_flips].tolist())
-        signs = changes >= self._threshold or slow >= self._slow_threshold
-        if (signs or calm < 1.0) and error < inf:
+        if flips or slow:  # else both rings are empty
+            slot = self._flips.start + int(cycles) % (self._window - 1)
+            if flips or memory[slot]:
+                memory[slot] = flips
+                changes = _most_changes(memory[self._flips].tolist())
+            slot = self._slow_flips.start + int(cycles) % (self._slow_window - 1)
+            if flips or memory[slot]:
+                memory[slot] = flips
+                slow = _most_changes(memory[self._slow_flips].tolist())
+        shakes = changes >= self._threshold or slow >= self._slow_threshold
+        if (shakes or calm < 1.0) and error < inf:
             if calm < 1.0 and _target_moved(memory, error):
                 memory[self._flips.start :] = changes = slow = 0  # what was seen holds no more
                 calm = max(calm, AWAKE)

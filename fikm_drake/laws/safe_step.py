@@ -49,6 +49,7 @@ class SafeStep:
         self._limits = limits
         self._posture = posture
         self._side_step = side_step
+        self._dead = DEAD**2 if side_step else 0.0
         self._posture_gain = posture_gain
 
     def __call__(self, q: Array, J: Array, error: Array, damping: float | None = None) -> Array:
@@ -72,10 +73,9 @@ class SafeStep:
         square = step.dot(step)
         if not isfinite(square):
             return np.zeros(len(step))
-        longest = self._longest
-        if square > longest * longest:
-            return step * (longest / sqrt(square))
-        if self._side_step and square < DEAD * DEAD * error.dot(error):
+        if square > self._longest**2:
+            return step * (self._longest / sqrt(square))
+        if square < self._dead * error.dot(error):
             return step + self._side_step * sqrt(error.dot(error)) * aside(len(step))
         return step
 

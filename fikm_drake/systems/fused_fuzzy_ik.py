@@ -100,8 +100,7 @@ class FusedFuzzyIk(LeafSystem):
             if config.measured_position
             else None
         )
-        # The command, its velocity, the filters, the supervisor's memory, the detour's.
-        self._states = range(5 if self._detour else 4)
+        # States: the command, its velocity, the filters, the supervisor's memory, the detour's.
         position = self.DeclareDiscreteState(kinematics.default_position)
         velocity = self.DeclareDiscreteState(n)
         self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m])
@@ -134,7 +133,8 @@ class FusedFuzzyIk(LeafSystem):
         """An output picked from a cycle and the states before it, computed when somebody asks."""
 
         def calc(context: Context, output: BasicVector) -> None:
-            states = [context.get_discrete_state(i).value() for i in self._states]
+            count = context.num_discrete_state_groups()
+            states = [context.get_discrete_state(i).value() for i in range(count)]
             output.get_mutable_value()[:] = pick(self._cycle(context, states), states)
 
         self.DeclareVectorOutputPort(
@@ -147,7 +147,7 @@ class FusedFuzzyIk(LeafSystem):
     def _cycle(self, context: Context, states: list[Array]) -> _Cycle:
         """Tick k in the order of the Diagram: e, K, its filter, K·e, its filter, dθ."""
         config = self._config
-        command, _, filters, memory = states[:4]
+        command, filters, memory = states[0], states[2], states[3]
         q = command if self._estimated is None else self._estimated(context)
         error, J = self._kinematics.error_and_jacobian(self._desired(context), q)
         size = length(error)
@@ -185,7 +185,7 @@ class FusedFuzzyIk(LeafSystem):
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
-        states = [get(i) for i in self._states]
+        states = [get(0), get(1), get(2), get(3), *([get(4)] if self._detour else ())]
         command, velocity, filters, memory = states[:4]
         cycle = self._cycle(context, states)
         if self._detour and cycle.valid:

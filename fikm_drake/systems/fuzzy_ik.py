@@ -15,7 +15,8 @@ from fikm_drake.systems.safe_steps import make_safe_step
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 
-NO_DAMPING = np.zeros(0)
+MOST_DAMPING = 1e154
+"""Beyond this a number counts as not finite, since its square is not."""
 
 
 class FuzzyIk(LeafSystem):
@@ -109,11 +110,11 @@ class FuzzyIk(LeafSystem):
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
-        damping = self._damping(context) if self._damping else NO_DAMPING
+        damping = float(self._damping(context)[0]) if self._damping else None
         lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
-        if lost or not (all_finite(error) and all_finite(damping)):
+        lost = lost or (damping is not None and not abs(damping) < MOST_DAMPING)
+        if lost or not all_finite(error):
             output.set_value(self._hold)
             return
         q = self._position(context)
-        J = self._kinematics.jacobian(q)
-        output.set_value(self._safe_step(q, J, error, *damping.tolist()))
+        output.set_value(self._safe_step(q, self._kinematics.jacobian(q), error, damping))
