@@ -69,9 +69,10 @@ class GainSupervisorConfig:
         """Raise ValueError, naming the bad value and the valid ones."""
         if not isinstance(self.window, int) or self.window < 2:
             raise ValueError(f"window must be an integer of at least 2 cycles, got {self.window!r}")
-        if not isinstance(self.slow_window, int) or self.slow_window < 2:
+        if not isinstance(self.slow_window, int) or self.slow_window < self.window:
             raise ValueError(
-                f"slow_window must be an integer of at least 2, got {self.slow_window!r}"
+                f"slow_window must be an integer of at least window = {self.window}, "
+                f"got {self.slow_window!r}"
             )
         for prefix, window in (("", self.window), ("slow_", self.slow_window)):
             changes = getattr(self, f"{prefix}sign_changes")

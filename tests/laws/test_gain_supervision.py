@@ -140,7 +140,7 @@ CALMS = {
     "default": fd.GainSupervisorConfig(),
     "gentle": fd.GainSupervisorConfig(calming=0.99, recovery=1.01, calm_damping=0.1),
     "slow": fd.GainSupervisorConfig(sign_changes=5, slow_window=30, slow_sign_changes=6),
-    "shorter": fd.GainSupervisorConfig(window=12, slow_window=5, slow_sign_changes=3),
+    "shorter": fd.GainSupervisorConfig(window=12, slow_window=12, slow_sign_changes=3),
 }
 
 
@@ -432,7 +432,7 @@ def test_two_memories_of_one_law_are_independent():
         ({"recovery": np.nan}, ["recovery", "nan"]),
         ({"calm_damping": -0.1}, ["calm_damping", "-0.1", "negative"]),
         ({"calm_damping": np.nan}, ["calm_damping", "nan", "finite"]),
-        ({"slow_window": 1}, ["slow_window", "1", "2"]),
+        ({"slow_window": 9}, ["slow_window", "9", "10"]),
         ({"slow_window": 64.0}, ["slow_window", "64.0", "integer"]),
         ({"slow_sign_changes": 0}, ["slow_sign_changes", "0", "63"]),
         ({"slow_sign_changes": 64}, ["slow_sign_changes", "64", "63"]),
