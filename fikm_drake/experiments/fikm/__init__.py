@@ -4,6 +4,7 @@ from fikm_drake.experiments.fikm.ablation import ablation
 from fikm_drake.experiments.fikm.claims import claims
 from fikm_drake.experiments.fikm.measured_times import times
 from fikm_drake.experiments.fikm.operation_counts import table_7
+from fikm_drake.experiments.fikm.past import past
 from fikm_drake.experiments.fikm.rules import table_1, table_2
 from fikm_drake.experiments.fikm.stability import stability
 from fikm_drake.experiments.fikm.supervise import supervise
@@ -30,6 +31,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 21": figure_21,
     "table 6": table_6,
     "ablation": ablation,
+    "past": past,
     "table 7": table_7,
     "times": times,
     "claims": claims,
