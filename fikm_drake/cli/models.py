@@ -30,16 +30,16 @@ def _models(options: argparse.Namespace) -> int:
     print(f"in {models_dir()}\narms:")
     for name in model_names():
         arm = load_arm(name)
-        print(f"  {name:12s} {arm.num_joints} joints, {arm.table.convention} convention")
+        print(f"  {name:15s} {arm.num_joints} joints, {arm.table.convention} convention")
     print("scenarios:")
     for name in model_names("scenarios"):
         scenario = load_scenario(name)
         arm, seconds = scenario.load_arm(), scenario.duration + scenario.hold
-        print(f"  {name:12s} {arm.name}, {seconds:g} s at {scenario.control_rate:g} Hz")
+        print(f"  {name:15s} {arm.name}, {seconds:g} s at {scenario.control_rate:g} Hz")
     print("fuzzy systems:")
     for name in model_names("fuzzy"):
         config = load_mamdani(name).config
         inputs = ", ".join(variable.name for variable in config.inputs)
         outputs = ", ".join(variable.name for variable in config.outputs)
-        print(f"  {name:12s} {inputs} to {outputs}, {len(config.rules)} rules")
+        print(f"  {name:15s} {inputs} to {outputs}, {len(config.rules)} rules")
     return OK
