@@ -12,7 +12,7 @@ from fikm_drake.experiments.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.redundancy.learned_bounds import INPUTS
+from fikm_drake.solvers.redundancy.bounds_inputs import INPUTS
 from fikm_drake.solvers.redundancy.train_bounds import POINTS, STARTS, train_bounds
 
 EXPERIMENTS: dict[str, tuple[str, Callable[[Callable[[float], None]], Anfis]]] = {

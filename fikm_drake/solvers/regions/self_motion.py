@@ -82,6 +82,26 @@ class SelfMotionComponent:
         q = guess if point is None else self.curve.task.full(point.q, self.q[0])
         return np.clip(q, self.lower, self.upper)
 
+    def with_joint_at(self, joint: int, position: float) -> Array:
+        """The postures (M,n) of the component with a joint at a position [rad or m].
+
+        A joint that turns back and is past `position` only between two points of `q` is not seen.
+
+        Args:
+            joint: its number, from 1.
+            position: where it is to be [rad or m].
+        """
+        found = []
+        for i in np.flatnonzero(self.curve.task.moving == joint - 1).tolist():
+            away = self.q[:, joint - 1] - position
+            moving = self.curve.task.moving
+            for k in np.flatnonzero((away[:-1] < 0.0) != (away[1:] < 0.0)).tolist():
+                here, there = (CurvePoint(self.q[m, moving], self.tangents[m, moving]) for m in (k, k + 1))
+                point = root_between(self.curve, here, there, lambda p, i=i: float(p.q[i] - position))
+                q = self.curve.task.full(point.q, self.q[0])
+                found.append(np.clip(q, self.lower, self.upper))
+        return np.array(found).reshape(-1, self.q.shape[1])
+
     def closest_to(self, reference: ArrayLike) -> Array:
         """The posture (n,) with the least Σ (q_i − reference_i)² [rad or m].
 
