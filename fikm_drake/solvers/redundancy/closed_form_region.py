@@ -36,9 +36,8 @@ class ClosedFormRegion:
     def _postures(
         self, points: Array, joint_1: Array, slack: float
     ) -> tuple[Array, NDArray[np.bool_]]:
-        """On the edge of the workspace rounding takes a posture out of the limits by up to `slack` [rad];
-        it is moved back.
-        """
+        # On the edge of the workspace rounding takes a posture out of the limits by up to `slack`; it
+        # is moved back.
         geometry = self._geometry
         theta_1 = np.clip(joint_1, geometry.lower[0], geometry.upper[0])
         both = geometry.postures(points, theta_1)

@@ -107,9 +107,7 @@ class LearnedBounds:
         data = load_yaml(BoundsData, path, kind="learned bounds")
         try:
             lower, upper = Anfis.from_data(data.lower), Anfis.from_data(data.upper)
-            return cls(
-                DhArm(data.arm), data.inputs, lower, upper, task=data.task, joint=data.joint
-            )
+            return cls(DhArm(data.arm), data.inputs, lower, upper, task=data.task, joint=data.joint)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from error
 

@@ -7,9 +7,9 @@ from pydrake.math import RigidTransform
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.redundancy.postures_at_joint import PosturesAtJoint
+from fikm_drake.solvers.redundancy.postures_at_joint import MET, PosturesAtJoint
 from fikm_drake.solvers.redundancy.region import Middle
-from fikm_drake.solvers.redundancy.tool_targets import as_poses
+from fikm_drake.solvers.redundancy.tool_targets import as_poses, tool_errors
 from fikm_drake.solvers.regions.self_motion import SelfMotion
 from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer
 
@@ -31,7 +31,7 @@ class TracedRegion:
     """
 
     def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
-        self._task, self._joint = task, joint
+        self._arm, self._task, self._joint = arm, task, joint
         self._tracer = SelfMotionTracer(arm, task)
         self._newton = PosturesAtJoint(arm, task, joint - 1)
         self._lower, self._upper = arm.lower, arm.upper
@@ -47,11 +47,14 @@ class TracedRegion:
         """See `Region`."""
         q = np.full((len(points), self._middle.size), np.nan)
         bounds = np.full((2, len(points)), np.nan)
-        for k, pose in enumerate(as_poses(points, self._task)):
+        poses = as_poses(points, self._task)
+        for k, pose in enumerate(poses):
             motion = self._tracer.trace(RigidTransform(pose))
             if motion.components:
                 q[k], bounds[:, k] = self._middle_of(motion)
-        return Middle(q, np.isfinite(q).all(axis=1), *bounds)
+        q = np.clip(q, self._lower, self._upper)  # of what rounding has left outside
+        distance, turn = tool_errors(self._arm, self._task, q, poses)
+        return Middle(q, (distance < MET) & (turn < MET), *bounds)
 
     def _middle_of(self, motion: SelfMotion) -> tuple[Array, tuple[float, float]]:
         """The posture in the middle of the widest interval of a self-motion, and the interval."""

@@ -91,16 +91,19 @@ class SelfMotionComponent:
             joint: its number, from 1.
             position: where it is to be [rad or m].
         """
-        found = []
-        for i in np.flatnonzero(self.curve.task.moving == joint - 1).tolist():
-            away = self.q[:, joint - 1] - position
-            moving = self.curve.task.moving
-            for k in np.flatnonzero((away[:-1] < 0.0) != (away[1:] < 0.0)).tolist():
-                here, there = (CurvePoint(self.q[m, moving], self.tangents[m, moving]) for m in (k, k + 1))
-                point = root_between(self.curve, here, there, lambda p, i=i: float(p.q[i] - position))
-                q = self.curve.task.full(point.q, self.q[0])
-                found.append(np.clip(q, self.lower, self.upper))
-        return np.array(found).reshape(-1, self.q.shape[1])
+        moving = self.curve.task.moving
+
+        def away(point: CurvePoint) -> float:
+            return float(self.curve.task.full(point.q, self.q[0])[joint - 1] - position)
+
+        points = [CurvePoint(*pair) for pair in zip(self.q[:, moving], self.tangents[:, moving])]
+        past = self.q[:, joint - 1] > position
+        found = [
+            self.curve.task.full(root_between(self.curve, here, there, away).q, self.q[0])
+            for here, there, crossed in zip(points, points[1:], past[1:] != past[:-1])
+            if crossed
+        ]
+        return np.clip(np.reshape(found, (-1, self.q.shape[1])), self.lower, self.upper)
 
     def closest_to(self, reference: ArrayLike) -> Array:
         """The posture (n,) with the least Σ (q_i − reference_i)² [rad or m].
