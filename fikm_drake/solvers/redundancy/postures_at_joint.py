@@ -17,7 +17,7 @@ NEAR, STARTS = 32, 4
 """Postures of the pool with their tool nearest to a pose, and those of them that are started from."""
 ITERATIONS = 25
 """Steps at most."""
-CONVERGED = 1e-7
+CONVERGED = 1e-9
 """Error before the last step [m]: the error after it is the square of that."""
 LONGEST = 0.5
 """Longest step of a joint [rad or m]."""

@@ -54,7 +54,7 @@ class RedundancyResolver:
     ) -> None:
         if joint not in range(1, arm.num_joints + 1):
             raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
-        self._arm, self._task = arm, Task(task)
+        self._arm, self._task, self._joint = arm, Task(task), joint
         closed_form = task == "xy" and joint == 1
         self._region: Region = (
             ClosedFormRegion(arm) if closed_form else TracedRegion(arm, self._task, joint)
@@ -72,6 +72,11 @@ class RedundancyResolver:
     def task(self) -> Task:
         """What the points fix."""
         return self._task
+
+    @property
+    def joint(self) -> int:
+        """Whose bounds are halved, from 1."""
+        return self._joint
 
     @property
     def bounds(self) -> LearnedBounds | None:
