@@ -40,8 +40,8 @@ class RedundancyIk(LeafSystem):
     Args:
         resolver: of the arm.
         period: how often the input is read [s].
-        initial_position: (n,) [rad or m] until the first good point; by default the nearest to zero inside the
-            limits.
+        initial_position: (n,) [rad or m] until the first good point; by default the nearest to zero
+            inside the limits.
 
     Raises:
         ValueError: naming the bad value.

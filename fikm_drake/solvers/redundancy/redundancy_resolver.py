@@ -1,5 +1,7 @@
 """Joint positions of a redundant arm, in the middle of what its limits leave."""
 
+from contextlib import suppress
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -55,10 +57,7 @@ class RedundancyResolver:
         if joint not in range(1, arm.num_joints + 1):
             raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
         self._arm, self._task, self._joint = arm, Task(task), joint
-        closed_form = task == "xy" and joint == 1
-        self._region: Region = (
-            ClosedFormRegion(arm) if closed_form else TracedRegion(arm, self._task, joint)
-        )
+        self._region = _region(arm, self._task, joint)
         if bounds is not None:
             bounds.check_are_of(arm, task, joint)
         self._bounds = bounds or LearnedBounds.find(arm, task, joint)
@@ -117,3 +116,11 @@ class RedundancyResolver:
         poses = as_poses(array[success], self._task)
         distance[success], turn[success] = tool_errors(self._arm, self._task, q[success], poses)
         return Resolution(q, success, status, lower, upper, distance, turn)
+
+
+def _region(arm: DhArm, task: Task, joint: int) -> Region:
+    """In closed form where there is one."""
+    if task.name == "xy" and joint == 1:
+        with suppress(ValueError):  # not a planar 3R
+            return ClosedFormRegion(arm)
+    return TracedRegion(arm, task, joint)

@@ -14,6 +14,8 @@ from fikm_drake.solvers.regions.self_motion import SelfMotion
 from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer
 
 Array = NDArray[np.float64]
+NARROW = 1e-9
+"""An interval that is not halved: the joint hardly moves [rad or m]."""
 
 
 class TracedRegion:
@@ -61,10 +63,11 @@ class TracedRegion:
         intervals = motion.intervals(self._joint)
         widest = max(intervals, key=lambda interval: interval.upper - interval.lower)
         wanted = 0.5 * (widest.lower + widest.upper)
-        postures = [c.with_joint_at(self._joint, wanted) for c in motion.components]
-        found = np.concatenate(postures)
-        if not len(found):  # an interval too narrow to halve
-            component = max(motion.components, key=lambda component: component.length)
-            found = component.at(0.5 * component.length)[None]
+        i = self._joint - 1
+        parts = [c for c in motion.components if widest.lower <= c.lower[i] <= widest.upper]
+        found = np.concatenate([part.with_joint_at(self._joint, wanted) for part in parts])
+        if not len(found) or widest.upper - widest.lower < NARROW:
+            longest = max(parts, key=lambda part: part.length)
+            found = longest.at(0.5 * longest.length)[None]
         best = np.argmin(np.sum((found - self._middle) ** 2, axis=1))
         return found[best], (widest.lower, widest.upper)

@@ -58,6 +58,8 @@ def train_traced_bounds(
         ValueError: naming the bad value.
     """
     inputs_of = BoundsInputs(arm, task, inputs)
+    if len(memberships) != len(inputs_of.names):
+        raise ValueError(f"memberships must be of {inputs_of.names}, got {memberships!r}")
     networks = [
         Anfis(memberships, names=[*inputs_of.names, f"theta_{joint}_{side}"])
         for side in ("lower", "upper")

@@ -177,7 +177,7 @@ def test_polar_inputs_have_their_cut_behind_the_arm(other):
         (lambda arm, r: r.resolve(np.zeros((3, 3))), ["points", "(3, 3)"]),
         (lambda arm, r: fd.train_bounds(arm, inputs="round"), ["inputs", "round", "polar"]),
         (lambda arm, r: fd.train_bounds(fd.load_arm("planar4")), ["planar4", "three"]),
-        (lambda arm, r: fd.RedundancyResolver(fd.load_arm("panda")), ["panda", "three"]),
+        (lambda arm, r: fd.RedundancyResolver(fd.load_arm("panda")), ["xy", "leaves 4"]),
         (lambda arm, r: workspace_points(arm, 0), ["count", "0"]),
         (
             lambda arm, r: LearnedBounds(arm, "xy", Anfis((3,)), Anfis((3, 3))),
