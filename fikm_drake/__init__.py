@@ -65,6 +65,7 @@ from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
 from fikm_drake.solvers.redundancy.train_bounds import train_bounds
+from fikm_drake.solvers.redundancy.train_traced_bounds import train_traced_bounds
 from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
 from fikm_drake.solvers.regions.feasibility_data import FeasibilityData
 from fikm_drake.solvers.regions.feasible_intervals import (
@@ -197,5 +198,6 @@ __all__ = [
     "solve_batch",
     "trace_self_motion",
     "train_bounds",
+    "train_traced_bounds",
     "write_html",
 ]

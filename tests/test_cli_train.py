@@ -17,6 +17,15 @@ def test_train_bounds_writes_what_the_resolver_takes(tmp_path, capsys):
     assert found.success.all()
 
 
+def test_train_traced_bounds_writes_what_the_resolver_takes(tmp_path, capsys):
+    path = tmp_path / "bounds.yaml"
+    short = ["--points", "60", "--epochs", "1", "--processes", "1", "--joint", "2"]
+    assert main(["train", "traced-bounds", "hassantabar4r", str(path), *short]) == 0
+    assert "theta_2_lower(r, phi, psi_minus_phi)" in capsys.readouterr().out
+    bounds = fd.LearnedBounds.load(path)
+    assert (bounds.task, bounds.joint) == ("pose", 2)
+
+
 @pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
@@ -24,6 +33,9 @@ def test_train_bounds_writes_what_the_resolver_takes(tmp_path, capsys):
         (["bounds", "nothing", "out.yaml"], 2, ["nothing", "hassantabar3r"]),
         (["bounds", "hassantabar3r", "gone/out.yaml"], 1, ["gone/out.yaml"]),
         (["bounds", "hassantabar3r", "out.yaml", "--epochs", "0"], 2, ["epochs", "0"]),
+        (["traced-bounds", "hassantabar3r", "out.yaml"], 2, ["hassantabar3r", "four"]),
+        (["traced-bounds", "hassantabar4r", "out.yaml", "--joint", "5"], 2, ["joint", "5"]),
+        (["traced-bounds", "hassantabar4r", "gone/out.yaml"], 1, ["gone/out.yaml"]),
         (["static", "gone/out.yaml"], 1, ["gone/out.yaml"]),
     ],
 )

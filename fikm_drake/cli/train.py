@@ -3,8 +3,10 @@
 import argparse
 import sys
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+from fikm_drake.cli.counts import positive_count
 from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.cli.progress import progress
 from fikm_drake.experiments.anfis.seven_joints import train_freedom
@@ -12,8 +14,14 @@ from fikm_drake.experiments.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.redundancy.learned_bounds import INPUTS
+from fikm_drake.solvers.redundancy.bounds_inputs import INPUTS
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.train_bounds import POINTS, STARTS, train_bounds
+from fikm_drake.solvers.redundancy.train_traced_bounds import (
+    TRACED_EPOCHS,
+    TRACED_POINTS,
+    train_traced_bounds,
+)
 
 EXPERIMENTS: dict[str, tuple[str, Callable[[Callable[[float], None]], Anfis]]] = {
     "static": ("joint 1 of the thesis's arm in the posture closest to mid-range", train_static),
@@ -46,6 +54,23 @@ def add_train(commands: "argparse._SubParsersAction") -> None:
     )
     bounds.set_defaults(run=_bounds)
 
+    traced = what.add_parser(
+        "traced-bounds",
+        help="bounds of a joint of a planar 4R arm over poses, traced, for `RedundancyResolver`",
+    )
+    traced.add_argument("arm", help="name (see `fikm-drake models`) or path of a .yaml file")
+    traced.add_argument("out", metavar="BOUNDS.yaml", help="the file to write")
+    traced.add_argument("--joint", type=int, default=1, help="whose bounds (1)")
+    traced.add_argument("--inputs", choices=INPUTS, default="polar")
+    traced.add_argument(
+        "--points", type=positive_count, default=TRACED_POINTS, help=f"how many ({TRACED_POINTS})"
+    )
+    traced.add_argument(
+        "--epochs", type=positive_count, default=TRACED_EPOCHS, help=f"how many ({TRACED_EPOCHS})"
+    )
+    traced.add_argument("--processes", type=positive_count, help="that trace; all cores")
+    traced.set_defaults(run=_traced_bounds)
+
     for name, (text, learn) in EXPERIMENTS.items():
         experiment = what.add_parser(name, help=text)
         experiment.add_argument("out", metavar="ANFIS.yaml", help="the file to write")
@@ -65,7 +90,28 @@ def _bounds(options: argparse.Namespace) -> int:
         starts=options.starts,
         progress=progress(),
     )
-    learned.save(options.out)
+    return _written(learned, options.out)
+
+
+def _traced_bounds(options: argparse.Namespace) -> int:
+    arm = load_arm(options.arm)
+    if not _folder_exists(options.out):
+        return FAILED
+    with ProcessPoolExecutor(options.processes) as executor:
+        learned = train_traced_bounds(
+            arm,
+            joint=options.joint,
+            inputs=options.inputs,
+            points=options.points,
+            epochs=options.epochs,
+            executor=executor,
+            progress=progress(),
+        )
+    return _written(learned, options.out)
+
+
+def _written(learned: LearnedBounds, path: str) -> int:
+    learned.save(path)
     for anfis in (learned.lower, learned.upper):
         print(f"{anfis}: rms error {anfis.training_error.min():.2e} rad over the training data")
     return OK

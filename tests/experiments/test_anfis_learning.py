@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.anfis import EXPERIMENTS, learning, samples, seven_joints
+from fikm_drake.experiments.anfis import (
+    EXPERIMENTS,
+    arms_without_closed_form,
+    learning,
+    samples,
+    seven_joints,
+)
 from fikm_drake.experiments.anfis.anfis_benchmark import table
 from fikm_drake.experiments.anfis.tables import bilinear_table, radial_table
 
@@ -35,6 +41,14 @@ def test_freedom_of_the_7_joint_arm(monkeypatch):
     monkeypatch.setattr(seven_joints, "FRESH", 3)
     section = seven_joints.freedom()
     assert section.reached, str(section)
+
+
+def test_arms_without_a_closed_form(monkeypatch):
+    for name, count in (("FRESH", 300), ("TRACED", 20), ("TRACED_7", 1)):
+        monkeypatch.setattr(arms_without_closed_form, name, count)
+    section = arms_without_closed_form.no_closed_form()
+    assert section.reached, str(section)
+    assert sum(cell.reached is True for cell in section.cells) == 6
 
 
 def test_radial_table_is_the_exact_form_between_its_knots():

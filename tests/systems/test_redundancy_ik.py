@@ -6,6 +6,8 @@ import re
 import numpy as np
 import pytest
 import yaml
+from pydrake.common.value import Value
+from pydrake.math import RigidTransform
 
 import fikm_drake as fd
 
@@ -74,6 +76,24 @@ def test_lost_from_the_start_it_stays_where_it_is(resolver, drive):
     driver.cycle(desired_position=[np.nan, np.nan])
     np.testing.assert_array_equal(driver["commanded_position"], start)
     assert np.isfinite(driver["bounds"]).all()
+
+
+def test_poses_of_an_arm_without_a_closed_form(ports, drive):
+    arm = fd.load_arm("hassantabar4r")
+    resolver = fd.RedundancyResolver(arm, task="pose")
+    block = fd.RedundancyIk(resolver, period=PERIOD)
+    assert list(ports(block)[0]) == ["desired_pose"]
+    assert ports(block)[1] == {"commanded_position": 4, "bounds": 2, "status": 1}
+    driver = drive(block)
+    pose = arm.forward_kinematics([0.8, 0.7, 1.0, 0.3])
+    driver.cycle(desired_pose=Value(RigidTransform(pose)))
+    found = resolver.resolve([pose])
+    np.testing.assert_array_equal(driver["commanded_position"], found.q[0])
+    np.testing.assert_array_equal(driver["bounds"], [found.lower[0], found.upper[0]])
+    for far, status in ((9.0, STATUS.INFEASIBLE), (np.nan, STATUS.INVALID_TARGET)):
+        driver.cycle(desired_pose=Value(RigidTransform([far, 0.0, 0.0])))
+        assert driver["status"] == status
+        np.testing.assert_array_equal(driver["commanded_position"], found.q[0])
 
 
 def test_along_a_line_there_is_no_jump(block, drive):

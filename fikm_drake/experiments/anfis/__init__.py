@@ -2,6 +2,7 @@
 
 from fikm_drake.experiments.anfis.accuracy import accuracy
 from fikm_drake.experiments.anfis.algorithm_1 import algorithm_1
+from fikm_drake.experiments.anfis.arms_without_closed_form import no_closed_form
 from fikm_drake.experiments.anfis.exactness_sample import exactness
 from fikm_drake.experiments.anfis.feasible_regions import figure_3_6, figure_3_13
 from fikm_drake.experiments.anfis.learning import figure_4_8
@@ -27,6 +28,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 4.12": figure_4_12,
     "figure 4.16": figure_4_16,
     "resolution": resolution,
+    "no closed form": no_closed_form,
     "freedom": freedom,
 }
 """What can be reproduced, in the thesis's order."""

@@ -18,8 +18,8 @@ from fikm_drake.experiments.anfis.tables import NUMBERS, bilinear_table, radial_
 from fikm_drake.experiments.report import Cell, Section
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.kinematics.planar_3r import Planar3R
-from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds, bounds_inputs
+from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 
 RMS = {"upper": 0.0025, "lower": 0.0027, "static": 0.0028}
 LARGEST = 0.06
@@ -35,7 +35,7 @@ def polar_anfis() -> dict[str, Anfis]:
 def accuracy() -> Section:
     """Polar inputs and variable projection, beside the exact form and tables."""
     arm, points = load_arm(ARM), edged_training_points()
-    polar, fresh = (bounds_inputs(Planar3R(arm), p, "polar") for p in (points, fresh_points()))
+    polar, fresh = (BoundsInputs(arm, "xy", "polar")(p) for p in (points, fresh_points()))
     values, wanted, learned = exact(points), fresh_values(), polar_anfis()
     cells = []
     errors: dict[str, Array] = {}

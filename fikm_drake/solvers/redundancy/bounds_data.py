@@ -12,9 +12,13 @@ class BoundsData:
 
     arm: DhTable = field(default_factory=DhTable)
     """The arm that they are of."""
+    task: str = "xy"
+    """What the points fix: `xy` or `pose`."""
+    joint: int = 1
+    """Whose bounds they are, from 1."""
     inputs: str = "polar"
     """`xy` or `polar`."""
     lower: AnfisData = field(default_factory=AnfisData)
-    """Learned lower bound of joint 1 [rad]."""
+    """Learned lower bound of the joint [rad]."""
     upper: AnfisData = field(default_factory=AnfisData)
-    """Learned upper bound of joint 1 [rad]."""
+    """Learned upper bound of the joint [rad]."""

@@ -9,47 +9,75 @@ from numpy.typing import ArrayLike, NDArray
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.fuzzy.anfis.anfis import Anfis
-from fikm_drake.kinematics.angles import wrap
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.task import Task
 from fikm_drake.resources import find_model, load_yaml, model_names
 from fikm_drake.solvers.redundancy.bounds_data import BoundsData
+from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
+from fikm_drake.solvers.redundancy.tool_targets import checked_points
 
 Array = NDArray[np.float64]
-INPUTS = ("xy", "polar")
 FOLDER = "bounds"
 """Where in `models/` the bounds are that come with the library."""
 
 
 class LearnedBounds:
-    """Bounds of joint 1 of a planar 3R arm as functions of the point, learned.
+    """Bounds of a joint of a planar arm as functions of the point or pose, learned.
 
     Args:
-        arm: the arm that they are of.
-        inputs: what `lower` and `upper` take: `xy`, or `polar`: distance from joint 1 [m] and angle [rad].
+        arm: the arm that they are of, with three revolute joints for the task `xy`, four for `pose`.
+        inputs: what `lower` and `upper` take, `xy` or `polar`; see `BoundsInputs`.
         lower: the lower bound [rad].
         upper: the upper bound [rad].
+        task: what the points fix: `xy` or `pose`.
+        joint: whose bounds they are, from 1.
 
     Raises:
-        ValueError: the arm is of another kind, or the inputs are.
+        ValueError: naming the bad value and the valid ones.
     """
 
-    def __init__(self, arm: DhArm, inputs: str, lower: Anfis, upper: Anfis) -> None:
-        check_inputs(inputs)
-        self._geometry = Planar3R(arm)
+    def __init__(
+        self,
+        arm: DhArm,
+        inputs: str,
+        lower: Anfis,
+        upper: Anfis,
+        *,
+        task: str = "xy",
+        joint: int = 1,
+    ) -> None:
+        self._inputs_of = BoundsInputs(arm, task, inputs)
+        count = len(self._inputs_of.names)
         for name, anfis in (("lower", lower), ("upper", upper)):
-            if len(anfis.memberships) != 2:
-                raise ValueError(f"{name} must have 2 inputs, got {len(anfis.memberships)}")
+            if len(anfis.memberships) != count:
+                raise ValueError(f"{name} must have {count} inputs, got {len(anfis.memberships)}")
+        if joint not in range(1, arm.num_joints + 1):
+            raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
         self.arm, self.inputs, self.lower, self.upper = arm, inputs, lower, upper
+        self.task, self.joint = task, joint
 
     def predict(self, points: ArrayLike) -> tuple[Array, Array]:
-        """Lower and upper bound of joint 1 (N,) [rad] for points (N,2) [m]; NaN for NaN.
+        """Lower and upper bound of the joint (N,) [rad] for points (N,2) [m] or poses (N,4,4).
+
+        NaN for NaN.
 
         Raises:
             ValueError: the points have another shape.
         """
-        X = bounds_inputs(self._geometry, points, self.inputs)
+        X = self._inputs_of(checked_points(points, Task(self.task))[0])
         return self.lower.predict(X), self.upper.predict(X)
+
+    def check_are_of(self, arm: DhArm, task: str, joint: int) -> None:
+        """Raise ValueError unless the bounds are of this arm, task and joint."""
+        if self.arm.table != arm.table:
+            raise ValueError(
+                f"the bounds are of arm {self.arm.name!r} with another table, not of {arm.name!r}"
+            )
+        if (self.task, self.joint) != (task, joint):
+            raise ValueError(
+                f"the bounds are of joint {self.joint} for task {self.task!r}, not of joint {joint} for "
+                f"task {task!r}"
+            )
 
     def save(self, path: str | Path) -> None:
         """Write a YAML file that `load` reads, with the arm's table.
@@ -57,7 +85,14 @@ class LearnedBounds:
         Raises:
             OSError: the file cannot be written.
         """
-        data = BoundsData(self.arm.table, self.inputs, self.lower.to_data(), self.upper.to_data())
+        data = BoundsData(
+            self.arm.table,
+            self.task,
+            self.joint,
+            self.inputs,
+            self.lower.to_data(),
+            self.upper.to_data(),
+        )
         yaml_dump_typed(data, filename=str(path))
 
     @classmethod
@@ -72,46 +107,18 @@ class LearnedBounds:
         data = load_yaml(BoundsData, path, kind="learned bounds")
         try:
             lower, upper = Anfis.from_data(data.lower), Anfis.from_data(data.upper)
-            return cls(DhArm(data.arm), data.inputs, lower, upper)
+            return cls(DhArm(data.arm), data.inputs, lower, upper, task=data.task, joint=data.joint)
         except ValueError as error:
             raise ValueError(f"{path}: {error}") from error
 
     @classmethod
-    def of(cls, arm: DhArm) -> LearnedBounds:
-        """The bounds of an arm that come with the library.
+    def find(cls, arm: DhArm, task: str = "xy", joint: int = 1) -> LearnedBounds | None:
+        """The bounds of an arm that come with the library; None if there are none.
 
-        Raises:
-            ValueError: there are none of this arm; the message says how to train them.
+        `train_bounds` or `fikm-drake train` makes others.
         """
-        if arm.name in model_names(FOLDER):
-            bounds = cls.load(arm.name)
-            if bounds.arm.table == arm.table:
-                return bounds
-        raise ValueError(
-            f"no learned bounds of arm {arm.name!r} come with the library: train some with "
-            f"`train_bounds(arm)` or `fikm-drake train`, and give them as `bounds`"
-        )
-
-
-def bounds_inputs(geometry: Planar3R, points: ArrayLike, inputs: str) -> Array:
-    """What the ANFIS of bounds take (N,2) for points (N,2) [m].
-
-    Polar angles [rad] are from the base's x axis, cut opposite to the middle of joint 1.
-
-    Raises:
-        ValueError: the points have another shape.
-    """
-    array = np.asarray(points, dtype=float)
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"points must have shape (N, 2), got {array.shape}")
-    if inputs == "xy":
-        return array
-    x, y = (array - geometry.base).T
-    ahead = geometry.middle[0] + geometry.offsets[0]
-    return np.column_stack([np.hypot(x, y), ahead + wrap(np.arctan2(y, x) - ahead)])
-
-
-def check_inputs(inputs: str) -> None:
-    """Raise ValueError unless these are inputs that bounds may have."""
-    if inputs not in INPUTS:
-        raise ValueError(f"inputs must be one of {INPUTS}, got {inputs!r}")
+        if arm.name not in model_names(FOLDER):
+            return None
+        bounds = cls.load(arm.name)
+        fits = bounds.arm.table == arm.table and (bounds.task, bounds.joint) == (task, joint)
+        return bounds if fits else None

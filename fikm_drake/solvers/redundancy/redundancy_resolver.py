@@ -1,46 +1,66 @@
-"""Joint positions of a redundant planar arm, in the middle of what its limits leave."""
+"""Joint positions of a redundant arm, in the middle of what its limits leave."""
+
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.task import Task
+from fikm_drake.solvers.redundancy.closed_form_region import ClosedFormRegion
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
+from fikm_drake.solvers.redundancy.region import Region
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
-from fikm_drake.solvers.regions.feasible_intervals import EDGE, feasible_interval_table
+from fikm_drake.solvers.redundancy.tool_targets import as_poses, checked_points, tool_errors
+from fikm_drake.solvers.redundancy.traced_region import TracedRegion
 
 Array = NDArray[np.float64]
-FARTHEST = 1e100
-"""Points beyond this are not valid: their squares overflow [m]."""
 
 
 class RedundancyResolver:
-    """Joint positions of a planar 3R arm for points, in the middle of the feasible region of joint 1.
+    """Joint positions of an arm with one spare degree of freedom, in the middle of a joint's region.
 
-    Section 4.5 of Hassantabar (2021), and what it lacks: the learned bounds give joint 1, a closed form
-    the other two, each posture is verified against all limits, and one that fails is repaired by the
-    exact bounds. So the learning never costs accuracy: the tool is at the point to rounding, or the
-    point is flagged as infeasible.
+    Section 4.5 of Hassantabar (2021), and what it lacks: the learned bounds give one joint, a closed
+    form (planar 3R, joint 1) or Newton's method the others, each posture is verified against all limits
+    and by forward kinematics, and one that fails is repaired by the exact bounds: in closed form, or by
+    tracing the self-motion. So the learning never costs accuracy: the tool is at the point to rounding,
+    or the point is flagged as infeasible.
 
         resolver = fd.RedundancyResolver(fd.load_arm("hassantabar3r"))
         resolver.resolve([[1.0, 2.0], [-1.0, 3.0]]).q
+        resolver = fd.RedundancyResolver(fd.load_arm("hassantabar4r"), task="pose")
+        resolver.resolve(poses).q  # (N,4,4)
 
     Args:
-        arm: a planar arm with three revolute joints about z.
-        bounds: learned bounds of this arm; by default those that come with the library.
+        arm: the arm.
+        bounds: learned bounds of this arm, task and joint; by default those that come with the library.
+            Where there are none, the exact bounds are taken for every point: traced, that is some 20 ms
+            for a planar 4R and most of a second for a 7-joint arm.
+        task: what the points fix; it must leave one degree of freedom. A planar arm with three joints
+            has `xy`, one with four has `pose`, a spatial one with seven has `pose`.
+        joint: whose bounds are halved, from 1. One that does not move along the self-motion (the
+            elbow of many 7-joint arms) leaves the choice to the arc length: its middle is taken.
 
     Raises:
-        ValueError: the arm is of another kind, or the bounds are of another arm, or there are none.
+        ValueError: the task leaves none or more than one degree of freedom; there is no such joint; the
+            bounds are of another arm, task or joint.
     """
 
-    def __init__(self, arm: DhArm, bounds: LearnedBounds | None = None) -> None:
-        self._geometry = Planar3R(arm)
-        self._bounds = LearnedBounds.of(arm) if bounds is None else bounds
-        if self._bounds.arm.table != arm.table:
-            raise ValueError(
-                f"the bounds are of arm {self._bounds.arm.name!r} with another table, not of {arm.name!r}"
-            )
-        self._arm = arm
+    def __init__(
+        self,
+        arm: DhArm,
+        bounds: LearnedBounds | None = None,
+        *,
+        task: str = "xy",
+        joint: int = 1,
+    ) -> None:
+        if joint not in range(1, arm.num_joints + 1):
+            raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
+        self._arm, self._task, self._joint = arm, Task(task), joint
+        self._region = _region(arm, self._task, joint)
+        if bounds is not None:
+            bounds.check_are_of(arm, task, joint)
+        self._bounds = bounds or LearnedBounds.find(arm, task, joint)
 
     @property
     def arm(self) -> DhArm:
@@ -48,51 +68,59 @@ class RedundancyResolver:
         return self._arm
 
     @property
-    def bounds(self) -> LearnedBounds:
-        """The learned bounds."""
+    def task(self) -> Task:
+        """What the points fix."""
+        return self._task
+
+    @property
+    def joint(self) -> int:
+        """Whose bounds are halved, from 1."""
+        return self._joint
+
+    @property
+    def bounds(self) -> LearnedBounds | None:
+        """The learned bounds; None without any."""
         return self._bounds
 
     def resolve(self, points: ArrayLike) -> Resolution:
-        """Joint positions for points (N,2) of the tool in the base frame [m].
+        """Joint positions for points of the tool in the base frame.
 
-        Of two elbows inside the limits the left one (θ3 bent to the positive side) is taken.
+        Args:
+            points: (N,2) [m] for the task `xy`; the coordinates (N,m) [m] of other tasks; poses (N,4,4)
+                where the task counts orientation.
 
         Raises:
             ValueError: the points have another shape.
         """
-        points = np.asarray(points, dtype=float)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise ValueError(f"points must have shape (N, 2), got {points.shape}")
-        valid = (np.abs(points) < FARTHEST).all(axis=1)
-        points = np.where(valid[:, None], points, np.nan)
-        lower, upper = self._bounds.predict(points)
-        q, inside = self._postures(points, lower, upper, 0.0)
-        status = np.where(inside, ResolutionStatus.RESOLVED, ResolutionStatus.REPAIRED)
-        failed = np.flatnonzero(~inside)
-        if failed.size:
-            exact = feasible_interval_table(self._arm, points[failed]).widest()
-            lower[failed], upper[failed] = exact
-            q[failed], repaired = self._postures(points[failed], *exact, EDGE)
-            status[failed[~repaired]] = ResolutionStatus.INFEASIBLE
-        status[~valid] = ResolutionStatus.INVALID_TARGET
+        array, valid = checked_points(points, self._task)
+        count = len(array)
+        q = np.full((count, self._arm.num_joints), np.nan)
+        lower, upper, distance, turn = np.full((4, count), np.nan)
+        status = np.full(count, ResolutionStatus.INVALID_TARGET.value)
+        rest = np.flatnonzero(valid)
+        if self._bounds is not None:
+            lower[rest], upper[rest] = self._bounds.predict(array[rest])
+            wanted = 0.5 * (lower[rest] + upper[rest])
+            q[rest], inside = self._region.postures(array[rest], wanted)
+            status[rest[inside]] = ResolutionStatus.RESOLVED
+            rest = rest[~inside]
+        if rest.size:
+            exact = self._region.middle(array[rest])
+            q[rest], lower[rest], upper[rest] = exact.q, exact.lower, exact.upper
+            status[rest] = np.where(
+                exact.inside, ResolutionStatus.REPAIRED, ResolutionStatus.INFEASIBLE
+            )
         success = status <= ResolutionStatus.REPAIRED
-        for array in (q, lower, upper):
-            array[~success] = np.nan
-        tool = self._arm.forward_kinematics(q)[:, :2, 3]
-        error = np.hypot(*(tool - points).T)
-        return Resolution(q, success, status, lower, upper, error)
+        for values in (q, lower, upper):
+            values[~success] = np.nan
+        poses = as_poses(array[success], self._task)
+        distance[success], turn[success] = tool_errors(self._arm, self._task, q[success], poses)
+        return Resolution(q, success, status, lower, upper, distance, turn)
 
-    def _postures(
-        self, points: Array, lower: Array, upper: Array, slack: float
-    ) -> tuple[Array, NDArray[np.bool_]]:
-        """Postures (N,3) with joint 1 half-way between the bounds, and which are inside the limits.
 
-        On the edge of the workspace rounding takes a posture out of the limits by up to `slack` [rad];
-        it is moved back.
-        """
-        geometry = self._geometry
-        theta_1 = np.clip(0.5 * (lower + upper), geometry.lower[0], geometry.upper[0])
-        both = geometry.postures(points, theta_1)
-        inside = geometry.is_inside(both, slack)
-        q = np.where(inside[:, :1], both[:, 0], both[:, 1])
-        return np.clip(q, geometry.lower, geometry.upper), np.asarray(inside.any(axis=1))
+def _region(arm: DhArm, task: Task, joint: int) -> Region:
+    """In closed form where there is one."""
+    if task.name == "xy" and joint == 1:
+        with suppress(ValueError):  # not a planar 3R
+            return ClosedFormRegion(arm)
+    return TracedRegion(arm, task, joint)

@@ -13,11 +13,12 @@ class ResolutionStatus(IntEnum):
     RESOLVED = 0
     """In the middle of the learned bounds, inside all limits."""
     REPAIRED = 1
-    """The learned middle was outside a limit: in the middle of the exact bounds."""
+    """In the middle of the exact bounds, in closed form or traced: the learned middle was outside a
+    limit, or nothing has been learned."""
     INFEASIBLE = 2
-    """No posture reaches the point inside all limits: proven by the exact bounds."""
+    """No posture reaches the point inside all limits: proven in closed form; by tracing, none was found."""
     INVALID_TARGET = 3
-    """NaN, infinite or beyond 1e100 m."""
+    """NaN, infinite, beyond 1e100 m, or not a pose."""
 
 
 @dataclass(frozen=True)
@@ -25,17 +26,19 @@ class Resolution:
     """Joint positions for N points."""
 
     q: NDArray[np.float64]
-    """(N,3) [rad], inside all limits; NaN where there is no success."""
+    """(N,n) [rad or m], inside all limits; NaN where there is no success."""
     success: NDArray[np.bool_]
     """(N,)."""
     status: NDArray[np.int_]
     """(N,): values of `ResolutionStatus`."""
     lower: NDArray[np.float64]
-    """(N,) lower bound of joint 1 [rad], learned, exact where repaired, NaN without success."""
+    """(N,) lower bound of the joint [rad or m], learned, exact where repaired, NaN without success."""
     upper: NDArray[np.float64]
-    """(N,) upper bound of joint 1 [rad], alike."""
+    """(N,) upper bound of the joint [rad or m], alike."""
     position_error: NDArray[np.float64]
     """(N,) distance of the tool from the point by forward kinematics [m]; NaN without success."""
+    rotation_error: NDArray[np.float64]
+    """(N,) the same of its orientation [rad]; zero where the task does not count it."""
 
     def __len__(self) -> int:
         return len(self.q)

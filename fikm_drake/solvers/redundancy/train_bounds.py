@@ -7,17 +7,14 @@ from numpy.typing import NDArray
 
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
 from fikm_drake.solvers.redundancy.learned_bounds import (
     LearnedBounds,
-    bounds_inputs,
-    check_inputs,
 )
 from fikm_drake.solvers.redundancy.workspace_points import random_workspace_points, workspace_points
 from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
 
 Array = NDArray[np.float64]
-NAMES = {"xy": ("x", "y"), "polar": ("r", "phi")}
 POINTS = 3356
 """As many as the thesis's."""
 STARTS = 4
@@ -45,7 +42,6 @@ def train_bounds(
     Raises:
         ValueError: naming the bad value.
     """
-    check_inputs(inputs)
     learned = []
     for k, name in enumerate(("lower", "upper")):
 
@@ -105,18 +101,17 @@ def train_on_workspace(
     Raises:
         ValueError: naming the bad value.
     """
-    check_inputs(inputs)
-    geometry = Planar3R(arm)
+    inputs_of = BoundsInputs(arm, "xy", inputs)
     grid = workspace_points(arm, points, edge=True)
     fresh = random_workspace_points(arm, points, SEED)
-    return Anfis(memberships, names=[*NAMES[inputs], name]).fit(
-        bounds_inputs(geometry, grid, inputs),
+    return Anfis(memberships, names=[*inputs_of.names, name]).fit(
+        inputs_of(grid),
         function(grid),
         epochs=epochs,
         method=method,
         ridge=RIDGE,
         starts=starts,
         seed=SEED,
-        validation=(bounds_inputs(geometry, fresh, inputs), function(fresh)),
+        validation=(inputs_of(fresh), function(fresh)),
         progress=progress,
     )

@@ -1,15 +1,18 @@
-"""Points that cover the workspace of a planar arm inside its joint limits."""
+"""Points that cover the workspace of an arm inside its joint limits."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.solvers.posture_pool import start_range
 from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
 
 Array = NDArray[np.float64]
 COARSE = 60
 """Grid points from end to end of the reach, to measure the workspace."""
+NEAR = 0.02
+"""Postures this near to a limit are near it, as a share of the joint's range."""
 HALVINGS = 40
 """Of a grid step, to find the edge of the workspace."""
 
@@ -57,6 +60,28 @@ def random_workspace_points(arm: DhArm, count: int, seed: int) -> Array:
         points = geometry.base + rng.uniform(-reach, reach, (count, 2))
         found = np.concatenate([found, points[feasible_interval_table(arm, points).feasible]])
     return found[:count]
+
+
+def random_tool_poses(arm: DhArm, count: int, seed: int, *, near_limits: float = 0.5) -> Array:
+    """Poses (count,4,4) of the tool at random postures within the limits.
+
+    Args:
+        arm: any arm; joints without a limit are drawn as in `PosturePool`.
+        count: how many, at least 1.
+        seed: of the random numbers.
+        near_limits: share of the postures whose joints are drawn, every other one, near a limit.
+
+    Raises:
+        ValueError: the count is not positive.
+    """
+    if not count > 0:
+        raise ValueError(f"count must be positive, got {count!r}")
+    rng, shape = np.random.default_rng(seed), (count, arm.num_joints)
+    lower, upper = start_range(arm)
+    share, ends = rng.random(shape), rng.integers(0, 2, shape)
+    moved = (rng.random(shape) < 0.5) & (rng.random((count, 1)) < near_limits)
+    share = np.where(moved, np.abs(ends - NEAR * share), share)
+    return arm.forward_kinematics(lower + (upper - lower) * share)
 
 
 def _grid(arm: DhArm, step: float) -> tuple[Array, Array]:

@@ -82,6 +82,29 @@ class SelfMotionComponent:
         q = guess if point is None else self.curve.task.full(point.q, self.q[0])
         return np.clip(q, self.lower, self.upper)
 
+    def with_joint_at(self, joint: int, position: float) -> Array:
+        """The postures (M,n) of the component with a joint at a position [rad or m].
+
+        A joint that turns back and is past `position` only between two points of `q` is not seen.
+
+        Args:
+            joint: its number, from 1.
+            position: where it is to be [rad or m].
+        """
+        moving = self.curve.task.moving
+
+        def away(point: CurvePoint) -> float:
+            return float(self.curve.task.full(point.q, self.q[0])[joint - 1] - position)
+
+        points = [CurvePoint(*pair) for pair in zip(self.q[:, moving], self.tangents[:, moving])]
+        past = self.q[:, joint - 1] > position
+        found = [
+            self.curve.task.full(root_between(self.curve, here, there, away).q, self.q[0])
+            for here, there, crossed in zip(points, points[1:], past[1:] != past[:-1])
+            if crossed
+        ]
+        return np.clip(np.reshape(found, (-1, self.q.shape[1])), self.lower, self.upper)
+
     def closest_to(self, reference: ArrayLike) -> Array:
         """The posture (n,) with the least Σ (q_i − reference_i)² [rad or m].
 

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import fikm_drake as fd
 from fikm_drake.fuzzy.anfis.anfis import Anfis
-from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds, bounds_inputs
+from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.workspace_points import (
     random_workspace_points,
     workspace_points,
@@ -130,22 +131,23 @@ def test_training_lowers_the_error(arm):
 def test_bounds_that_come_with_the_library(arm):
     """Claimed: rms at most 0.0025 (upper) and 0.0027 rad (lower), none above 0.06."""
     points = random_workspace_points(arm, 5000, seed=11)
-    bounds = fd.LearnedBounds.of(arm)
+    bounds = fd.LearnedBounds.find(arm)
     exact = fd.feasible_interval_table(arm, points).widest()
     for learned, wanted, rms in zip(bounds.predict(points), exact, (0.0027, 0.0025)):
         assert np.sqrt(np.mean((learned - wanted) ** 2)) <= rms
         assert np.abs(learned - wanted).max() <= 0.06
 
 
-def test_an_arm_without_learned_bounds_is_told_what_to_do(arm, other):
-    with pytest.raises(ValueError, match="train_bounds"):
-        fd.RedundancyResolver(other)
+def test_an_arm_without_learned_bounds_has_the_exact_ones(arm, other):
     table = arm.table
     table.joints[1].upper = 1.0
-    with pytest.raises(ValueError, match="train_bounds"):
-        fd.RedundancyResolver(fd.DhArm(table))
+    for changed in (other, fd.DhArm(table)):
+        resolver = fd.RedundancyResolver(changed)
+        assert resolver.bounds is None
+        found = resolver.resolve(random_workspace_points(changed, 100, seed=13))
+        assert (found.status == STATUS.REPAIRED).all() and inside(changed, found.q).all()
     with pytest.raises(ValueError, match="hassantabar3r"):
-        fd.RedundancyResolver(other, fd.LearnedBounds.of(arm))
+        fd.RedundancyResolver(other, fd.LearnedBounds.find(arm))
 
 
 def test_workspace_points_cover_the_workspace(arm):
@@ -161,7 +163,7 @@ def test_workspace_points_cover_the_workspace(arm):
 def test_polar_inputs_have_their_cut_behind_the_arm(other):
     geometry = fd.Planar3R(other)
     points = geometry.base + np.array([[1.0, 0.0], [0.0, 2.0], [-1.0, -1e-9], [-1.0, 1e-9]])
-    r, phi = bounds_inputs(geometry, points, "polar").T
+    r, phi = BoundsInputs(other, "xy", "polar")(points).T
     np.testing.assert_allclose(r, [1, 2, 1, 1])
     np.testing.assert_allclose(np.cos(phi), [1, 0, -1, -1], atol=1e-9)
     ahead = geometry.middle[0] + geometry.offsets[0]
@@ -175,7 +177,7 @@ def test_polar_inputs_have_their_cut_behind_the_arm(other):
         (lambda arm, r: r.resolve(np.zeros((3, 3))), ["points", "(3, 3)"]),
         (lambda arm, r: fd.train_bounds(arm, inputs="round"), ["inputs", "round", "polar"]),
         (lambda arm, r: fd.train_bounds(fd.load_arm("planar4")), ["planar4", "three"]),
-        (lambda arm, r: fd.RedundancyResolver(fd.load_arm("panda")), ["panda", "three"]),
+        (lambda arm, r: fd.RedundancyResolver(fd.load_arm("panda")), ["xy", "leaves 4"]),
         (lambda arm, r: workspace_points(arm, 0), ["count", "0"]),
         (
             lambda arm, r: LearnedBounds(arm, "xy", Anfis((3,)), Anfis((3, 3))),

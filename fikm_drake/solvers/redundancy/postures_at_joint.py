@@ -1,0 +1,96 @@
+"""Postures that hold the tool at poses with one joint at given positions, by Newton's method."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.solvers.batch_arm import BatchArm
+from fikm_drake.solvers.batch_step import solve_positive_definite
+from fikm_drake.solvers.batch_targets import BatchTargets
+from fikm_drake.solvers.posture_pool import PosturePool
+from fikm_drake.solvers.redundancy.tool_targets import tool_errors
+
+Array = NDArray[np.float64]
+NEAR, STARTS = 32, 4
+"""Postures of the pool with their tool nearest to a pose, and those of them that are started from."""
+ITERATIONS = 25
+"""Steps at most."""
+CONVERGED = 1e-9
+"""Error before the last step [m]: the error after it is the square of that."""
+LONGEST = 0.5
+"""Longest step of a joint [rad or m]."""
+DAMPING = 1e-2
+"""Of the steps, times the square of the error [-]."""
+TINY = 1e-20
+"""Keeps a pivot off zero [m²]."""
+MET = 1e-9
+"""A posture with less error holds the tool [m, rad]."""
+
+
+class PosturesAtJoint:
+    """Postures of an arm that hold the tool at poses, with one joint at given positions.
+
+    Without the joint as many degrees of freedom are left as the task fixes. They are sought by damped
+    Newton steps, for all poses side by side, from a few random postures whose tool and joint are near.
+
+    Args:
+        arm: the arm.
+        task: it leaves one degree of freedom.
+        joint: its index, from 0.
+    """
+
+    def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
+        self._arm, self._task, self._joint = arm, task, joint
+        self._kinematics = BatchArm(arm)
+        self._pool = PosturePool(arm, self._kinematics, task.characteristic_length, seed=0)
+        self._others = np.delete(np.arange(arm.num_joints), joint)
+        self._middle = middle_of_limits(arm.lower, arm.upper)
+
+    def solve(self, poses: Array, positions: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Of those inside the limits, the posture that is closest to their middle.
+
+        Args:
+            poses: (N,4,4).
+            positions: (N,) of the joint [rad or m].
+
+        Returns:
+            Postures (N,n), and which of them hold the tool inside the limits (N,).
+        """
+        arm, count = self._arm, len(poses)
+        rows = np.repeat(np.arange(count), STARTS)
+        targets = BatchTargets.from_array(poses)
+        near = self._pool.nearest(targets, NEAR)
+        away = np.abs(self._pool.q[self._joint, near] - positions[:, None])
+        chosen = np.take_along_axis(near, np.argsort(away, axis=1)[:, :STARTS], axis=1)
+        q = self._pool.q[:, chosen.ravel()]
+        q[self._joint] = positions[rows]
+        self._descend(q, targets.take(rows))
+        q = q.T
+        q += np.where(self._kinematics.revolute, nearest_turn(q, self._middle), 0.0)
+        distance, turn = tool_errors(arm, self._task, q, poses[rows])
+        inside = ((q >= arm.lower) & (q <= arm.upper)).all(axis=1)
+        good = inside & (distance < MET) & (turn < MET)
+        cost = np.where(good, np.sum((q - self._middle) ** 2, axis=1), np.inf)
+        best = STARTS * np.arange(count) + np.argmin(cost.reshape(count, STARTS), axis=1)
+        return q[best], good[best]
+
+    def _descend(self, q: Array, targets: BatchTargets) -> None:
+        """Move the other joints of starts `q` (n,L) towards one target each, in place."""
+        task, others, kinematics = self._task, self._others, self._kinematics
+        active = np.arange(q.shape[1])
+        for _ in range(ITERATIONS):
+            frames = kinematics.frames(q[:, active])
+            error, _, _ = targets.take(active).error(frames, task.characteristic_length)
+            error = error[task.rows]
+            J = kinematics.jacobian(frames, task.characteristic_length)[task.rows][:, others]
+            square = np.sum(error * error, axis=0)
+            M = np.einsum("ijl,ikl->jkl", J, J)
+            M[np.arange(len(others)), np.arange(len(others))] += DAMPING * square + TINY
+            step = solve_positive_definite(M, np.einsum("ijl,il->jl", J, error))
+            step *= np.minimum(1.0, LONGEST / np.maximum(np.abs(step).max(axis=0), LONGEST))
+            q[np.ix_(others, active)] += step
+            active = active[square > CONVERGED**2]
+            if not active.size:
+                return

@@ -1,0 +1,33 @@
+"""What `RedundancyResolver` needs to know of an arm."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Middle:
+    """Postures in the middle of the exact bounds of the redundant joint, for N points."""
+
+    q: Array
+    """(N,n) [rad or m]; arbitrary where there is none inside the limits."""
+    inside: NDArray[np.bool_]
+    """(N,): whether there is one inside the limits."""
+    lower: Array
+    """(N,) lower bound of the joint [rad or m]."""
+    upper: Array
+    """(N,) upper bound of the joint [rad or m]."""
+
+
+class Region(Protocol):
+    """The feasible region of one joint of an arm, for valid points: in closed form, or traced."""
+
+    def postures(self, points: Array, joint_position: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Postures (N,n) with the joint at given positions (N,), and which are inside the limits."""
+
+    def middle(self, points: Array) -> Middle:
+        """Postures in the middle of the widest exact interval."""
