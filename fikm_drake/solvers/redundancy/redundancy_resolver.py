@@ -24,7 +24,7 @@ class RedundancyResolver:
     form (planar 3R, joint 1) or Newton's method the others, each posture is verified against all limits
     and by forward kinematics, and one that fails is repaired by the exact bounds: in closed form, or by
     tracing the self-motion. So the learning never costs accuracy: the tool is at the point to rounding,
-    or the point is flagged as infeasible.
+    or the point is flagged as infeasible. Not for several threads at once.
 
         resolver = fd.RedundancyResolver(fd.load_arm("hassantabar3r"))
         resolver.resolve([[1.0, 2.0], [-1.0, 3.0]]).q
