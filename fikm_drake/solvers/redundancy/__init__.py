@@ -1,1 +1,1 @@
-"""Redundancy resolution: learned bounds of one joint, the rest in closed form, verified and repaired."""
+"""Redundancy resolution: a joint in the middle of its learned or exact bounds, and the rest verified."""

@@ -15,6 +15,8 @@ from fikm_drake.solvers.redundancy.tool_targets import tool_errors
 Array = NDArray[np.float64]
 NEAR, STARTS = 32, 4
 """Postures of the pool with their tool nearest to a pose, and those of them that are started from."""
+CHUNK = 1024
+"""Poses that are solved side by side: their arrays stay in the processor's cache."""
 ITERATIONS = 25
 """Steps at most."""
 CONVERGED = 1e-9
@@ -58,6 +60,13 @@ class PosturesAtJoint:
         Returns:
             Postures (N,n), and which of them hold the tool inside the limits (N,).
         """
+        q, good = np.empty((len(poses), self._arm.num_joints)), np.empty(len(poses), dtype=bool)
+        for start in range(0, len(poses), CHUNK):
+            rows = slice(start, start + CHUNK)
+            q[rows], good[rows] = self._solve(poses[rows], positions[rows])
+        return q, good
+
+    def _solve(self, poses: Array, positions: Array) -> tuple[Array, NDArray[np.bool_]]:
         arm, count = self._arm, len(poses)
         rows = np.repeat(np.arange(count), STARTS)
         targets = BatchTargets.from_array(poses)

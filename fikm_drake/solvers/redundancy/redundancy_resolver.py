@@ -24,7 +24,7 @@ class RedundancyResolver:
     form (planar 3R, joint 1) or Newton's method the others, each posture is verified against all limits
     and by forward kinematics, and one that fails is repaired by the exact bounds: in closed form, or by
     tracing the self-motion. So the learning never costs accuracy: the tool is at the point to rounding,
-    or the point is flagged as infeasible.
+    or the point is flagged as infeasible. Not for several threads at once.
 
         resolver = fd.RedundancyResolver(fd.load_arm("hassantabar3r"))
         resolver.resolve([[1.0, 2.0], [-1.0, 3.0]]).q
@@ -35,7 +35,7 @@ class RedundancyResolver:
         arm: the arm.
         bounds: learned bounds of this arm, task and joint; by default those that come with the library.
             Where there are none, the exact bounds are taken for every point: traced, that is some 20 ms
-            for a planar 4R and most of a second for a 7-joint arm.
+            for a planar 4R and 0.2 s for an iiwa14.
         task: what the points fix; it must leave one degree of freedom. A planar arm with three joints
             has `xy`, one with four has `pose`, a spatial one with seven has `pose`.
         joint: whose bounds are halved, from 1. One that does not move along the self-motion (the

@@ -16,7 +16,8 @@ class ResolutionStatus(IntEnum):
     """In the middle of the exact bounds, in closed form or traced: the learned middle was outside a
     limit, or nothing has been learned."""
     INFEASIBLE = 2
-    """No posture reaches the point inside all limits: proven in closed form; by tracing, none was found."""
+    """No posture reaches the point inside all limits: proven in closed form; by tracing, none was found,
+    and a posture that several limits leave no freedom may be missed."""
     INVALID_TARGET = 3
     """NaN, infinite, beyond 1e100 m, or not a pose."""
 

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
-from fikm_drake.solvers.redundancy.learned_bounds import (
-    LearnedBounds,
-)
+from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.workspace_points import random_workspace_points, workspace_points
 from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
 
@@ -34,10 +32,10 @@ def train_bounds(
     starts: int = STARTS,
     progress: Callable[[float], None] | None = None,
 ) -> LearnedBounds:
-    """Train two ANFIS on the exact bounds of joint 1 over the arm's workspace.
+    """Train two ANFIS on the exact bounds of joint 1 of a planar 3R arm over its workspace.
 
     Where a point has several intervals, the widest is learned. The same arm and options give the same
-    bounds. For the options see `train_on_workspace`.
+    bounds. For the options see `train_on_workspace`; for arms without a closed form `train_traced_bounds`.
 
     Raises:
         ValueError: naming the bad value.

@@ -65,6 +65,22 @@ def test_repair_takes_the_traced_middle(arm):
         assert found.q[k, 2] == pytest.approx(0.5 * (interval.lower + interval.upper), abs=1e-9)
 
 
+def test_postures_of_a_component_with_a_joint_at_a_position():
+    """A loop passes each position between a joint's extremes twice; past them there is none."""
+    arm = fd.load_arm("planar4")
+    motion = fd.trace_self_motion(arm, [0.4, 0.9, -0.7, 0.5], "pose")
+    component = motion.components[0]
+    low, high = component.lower[1], component.upper[1]
+    found = component.with_joint_at(2, 0.3 * low + 0.7 * high)
+    assert len(found) >= 2
+    np.testing.assert_allclose(found[:, 1], 0.3 * low + 0.7 * high, atol=1e-11)
+    pose = arm.forward_kinematics([0.4, 0.9, -0.7, 0.5])
+    np.testing.assert_allclose(
+        arm.forward_kinematics(found), np.stack([pose] * len(found)), atol=1e-12
+    )
+    assert component.with_joint_at(2, high + 0.1).shape == (0, 4)
+
+
 @pytest.mark.parametrize(("name", "joint"), [("iiwa14", 3), ("iiwa14", 4), ("planar4", 1)])
 def test_arms_without_learned_bounds_are_traced(name, joint):
     """Seven joints; a joint that does not move along the self-motion; no limits at all."""
@@ -145,6 +161,12 @@ def test_rotations_that_are_rounded_are_reached(arm, resolver):
     assert found.success.all() and found.rotation_error.max() <= 1e-12
 
 
+def test_poses_do_not_influence_each_other(arm, resolver):
+    poses = np.tile(random_tool_poses(arm, 50, seed=29, near_limits=0.0), (30, 1, 1))
+    found = resolver.resolve(poses)
+    np.testing.assert_allclose(found.q[-50:], resolver.resolve(poses[:50]).q, atol=1e-9)
+
+
 def test_no_poses(resolver):
     found = resolver.resolve(np.empty((0, 4, 4)))
     assert found.q.shape == (0, 4) and len(found) == 0
@@ -154,12 +176,12 @@ def test_no_poses(resolver):
 def test_bounds_are_learned_from_traces(arm, inputs, tmp_path):
     seen = []
     learned = fd.train_traced_bounds(
-        arm, inputs=inputs, memberships=(2, 3, 3), points=80, epochs=3, progress=seen.append
+        arm, inputs=inputs, memberships=(2, 3, 3), points=60, epochs=3, progress=seen.append
     )
     assert seen[-1] == pytest.approx(1.0) and seen == sorted(seen)
     learned.save(tmp_path / "bounds.yaml")
     read = fd.LearnedBounds.load(tmp_path / "bounds.yaml")
-    poses = random_tool_poses(arm, 40, seed=28, near_limits=0.0)
+    poses = random_tool_poses(arm, 15, seed=28, near_limits=0.0)
     np.testing.assert_array_equal(read.predict(poses), learned.predict(poses))
     found = fd.RedundancyResolver(arm, read, task="pose").resolve(poses)
     check(arm, poses, found)
