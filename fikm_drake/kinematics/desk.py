@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_finite
 from fikm_drake.resources import find_model, load_yaml
 
 Array = NDArray[np.float64]
@@ -33,8 +34,7 @@ class Desk:
         """Raise ValueError, naming the bad value, unless this is a rectangle."""
         if len(self.origin) != 3 or not all(map(isfinite, self.origin)):
             raise ValueError(f"origin must be three finite numbers [m], got {self.origin}")
-        if not isfinite(self.yaw):
-            raise ValueError(f"yaw must be finite [rad], got {self.yaw!r}")
+        check_finite("yaw [rad]", self.yaw)
         if len(self.size) != 2 or not all(isinstance(s, Integral) and s > 0 for s in self.size):
             raise ValueError(f"size must be two positive integers [mm], got {self.size}")
 

@@ -3,13 +3,13 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 import dataclasses
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
+from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
@@ -70,8 +70,7 @@ class TrackingScenario:
         if not np.isfinite(points).all():
             raise ValueError(f"waypoints must be finite [m], got {self.waypoints}")
         for name in ("duration", "hold"):
-            if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise ValueError(f"{name} must not be negative [s], got {getattr(self, name)!r}")
+            check_not_negative(name, getattr(self, name))
         if self.profile not in PROFILES:
             raise ValueError(f"profile must be one of {PROFILES}, got {self.profile!r}")
         self.controller_config().validate()

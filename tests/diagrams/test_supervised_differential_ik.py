@@ -130,6 +130,11 @@ def test_ports_that_do_not_fit_are_named(system, words, plant_with):
     assert all(word in str(error.value) for word in words)
 
 
+def test_the_plant_must_be_finalized():
+    with pytest.raises(ValueError, match="finalized"):
+        fd.SupervisedDifferentialIk(Proportional(7), MultibodyPlant(0.0), period=PERIOD)
+
+
 def test_bad_position_and_period_are_named(supervised, plant_with):
     with pytest.raises(ValueError, match="joint position 1 must be from"):
         supervised.SetPositions(supervised.CreateDefaultContext(), np.full(7, 9.0))
