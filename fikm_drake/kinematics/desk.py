@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.checks import check_finite
-from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.resources import load_model
 
 Array = NDArray[np.float64]
 
@@ -64,10 +64,4 @@ def load_desk(name_or_path: str | Path) -> Desk:
         FileNotFoundError: there is no such file; the message lists ours.
         ValueError: the file does not describe a desk; the message says what is wrong.
     """
-    path = find_model(name_or_path, folder="desks", kind="desk")
-    desk = load_yaml(Desk, path, kind="desk")
-    try:
-        desk.validate()
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
-    return desk
+    return load_model(Desk, name_or_path, folder="desks", kind="desk")
