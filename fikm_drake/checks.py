@@ -1,6 +1,6 @@
 """Checks of numbers that the constructors of all layers share: ValueErrors that name the bad value."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf, isfinite, nan
 from numbers import Integral
 
@@ -37,6 +37,14 @@ def check_not_negative(name: str, value: object) -> float:
 def check_below_one(name: str, value: object) -> float:
     """The value; ValueError, naming it, unless 0 ≤ value < 1."""
     return check_number(name, value, "in [0, 1)", lambda x: 0.0 <= x < 1.0)
+
+
+def check_finites(name: str, values: object, count: int, unit: str) -> list[float]:
+    """The values as floats; ValueError, naming them, unless they are `count` finite numbers."""
+    numbers = [_number(value) for value in values] if isinstance(values, Iterable) else []
+    if len(numbers) != count or not all(map(isfinite, numbers)):
+        raise ValueError(f"{name} must be {count} finite numbers [{unit}], got {values!r}")
+    return numbers
 
 
 def check_counts(least: int = 1, **counts: object) -> None:

@@ -10,11 +10,17 @@ from fikm_drake.checks import (
     check_below_one,
     check_counts,
     check_finite,
+    check_finites,
     check_not_negative,
     check_number,
     check_positive,
     check_positive_finite,
 )
+
+
+def tilted_plane(**options):
+    return fd.TiltedPlaneInverse(fd.load_arm("tojo4dof"), fd.load_desk("tojo4dof"), **options)
+
 
 NO_NUMBERS = ["1.5", "", None, [], [1.0], np.ones(2), {}, object(), b"1", 1j, nan]
 CHECKS = {
@@ -66,6 +72,14 @@ def test_counts_are_integers_of_any_type():
         assert str(error.value) == f"rounds must be an integer of at least 1, got {value!r}"
 
 
+def test_so_many_finite_numbers():
+    assert check_finites("origin", np.array([1, 2]), 2, "m") == [1.0, 2.0]
+    for bad in ([1.0], [1.0, nan], "12", None, 3.0, [1.0, [2.0]], [[1.0, 2.0]]):
+        with pytest.raises(ValueError) as error:
+            check_finites("origin", bad, 2, "m")
+        assert str(error.value) == f"origin must be 2 finite numbers [m], got {bad!r}"
+
+
 @pytest.mark.parametrize("bad", ["fast", None, [1.0]])
 @pytest.mark.parametrize(
     ("name", "make"),
@@ -86,6 +100,10 @@ def test_counts_are_integers_of_any_type():
         ("calming", lambda x: fd.GainSupervisorConfig(calming=x).validate()),
         ("sign_changes", lambda x: fd.GainSupervisorConfig(sign_changes=x).validate()),
         ("recovery", lambda x: fd.CommandSupervisorConfig(recovery=x).validate()),
+        ("count", lambda x: fd.labvolt.random_targets(x)),
+        ("joint 1: a", lambda x: fd.DhArm(fd.DhTable("arm", joints=[fd.DhJoint(a=x)]))),
+        ("heading", lambda x: tilted_plane(heading=(0.0, x))),
+        ("origin", lambda x: fd.Desk(origin=[0.0, 0.0, x]).validate()),
         ("yaw", lambda x: fd.Desk(yaw=x).validate()),
         ("hold", lambda x: fd.TrackingScenario(arm="arm7", waypoints=[[0.5, 0.1]], hold=x)),
     ],
@@ -94,6 +112,12 @@ def test_public_entries_name_what_is_no_number(name, make, bad):
     with pytest.raises(ValueError) as error:
         make(bad)
     assert name in str(error.value) and repr(bad) in str(error.value)
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64, np.int64, np.array])
+def test_numpy_numbers_make_an_arm(kind):
+    arm = fd.DhArm(fd.DhTable("arm", joints=[fd.DhJoint(a=kind(1), lower=kind(-2), upper=kind(2))]))
+    assert arm.forward_kinematics([0.0])[0, 3] == 1.0 and arm.lower == -2.0
 
 
 def test_numpy_integers_are_integers():
