@@ -1,7 +1,7 @@
 """The folder `models/`: found from a checkout, an editable install and an installed wheel alike."""
 
 from pathlib import Path
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody.parsing import Parser
@@ -9,6 +9,13 @@ from pydrake.multibody.parsing import Parser
 _PACKAGE = Path(__file__).resolve().parent
 
 Schema = TypeVar("Schema")
+
+
+class _Model(Protocol):
+    def validate(self) -> None: ...
+
+
+Model = TypeVar("Model", bound=_Model)
 
 
 def models_dir() -> Path:
@@ -66,6 +73,30 @@ def load_yaml(schema: type[Schema], path: Path, *, kind: str) -> Schema:
         raise
     except Exception as error:  # Drake and PyYAML raise many kinds
         raise ValueError(f"{path} is not a valid {kind} file: {error}") from error
+
+
+def load_model(
+    schema: type[Model], name_or_path: str | Path, *, folder: str = "", kind: str
+) -> Model:
+    """Read one of our models, or a user's file, into a dataclass and validate it.
+
+    Args:
+        schema: the dataclass; it has a method `validate` that raises ValueError.
+        name_or_path: as of `find_model`.
+        folder: where in `models/` to look for the name.
+        kind: what the error calls it.
+
+    Raises:
+        FileNotFoundError: there is no such file; the message lists the names there are.
+        ValueError: the file does not describe such a model; the message names the file.
+    """
+    path = find_model(name_or_path, folder=folder, kind=kind)
+    model = load_yaml(schema, path, kind=kind)
+    try:
+        model.validate()
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    return model
 
 
 def ConfigureParser(parser: Parser) -> None:

@@ -32,6 +32,11 @@ def test_missing_folder_exits_with_2_before_the_search(tmp_path, capsys):
     assert "gone" in capsys.readouterr().err
 
 
+def test_negative_seed_exits_with_2_and_is_named(tmp_path, capsys):
+    assert main([*FEW, "--seed", "-1", "--folder", str(tmp_path)]) == 2
+    assert "seed must be an integer of at least 0, got -1" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("arguments", [[], ["puma"], ["labvolt", "--rounds", "0"]])
 def test_bad_arguments_exit_with_2(arguments, capsys):
     with pytest.raises(SystemExit) as stopped:

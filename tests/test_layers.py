@@ -16,6 +16,7 @@ LAYERS = [
     "solvers",
     "kinematics",
     "fuzzy",
+    "checks",
     "resources",
 ]
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

@@ -6,6 +6,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Gain
 
+from fikm_drake.kinematics.plant_frames import check_plant
 from fikm_drake.laws.command_supervision import CommandSupervisorConfig
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
@@ -45,7 +46,8 @@ class SupervisedDifferentialIk(Diagram):
         config: see `CommandSupervisorConfig`.
 
     Raises:
-        ValueError: the ports are missing or of another size, or naming the bad value.
+        ValueError: the plant is not finalized or has a free base, the ports are missing or of another
+            size, or naming the bad value.
     """
 
     def __init__(
@@ -57,6 +59,7 @@ class SupervisedDifferentialIk(Diagram):
         config: CommandSupervisorConfig | None = None,
     ) -> None:
         super().__init__()
+        check_plant(plant)
         n = plant.num_positions()
         _check_ports(differential_ik, n)
         lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()

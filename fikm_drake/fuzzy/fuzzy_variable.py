@@ -7,7 +7,7 @@ from math import nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fikm_drake.fuzzy.checks import check_finite
+from fikm_drake.checks import check_finite
 from fikm_drake.fuzzy.membership_stack import MembershipStack
 from fikm_drake.fuzzy.memberships import Membership, Triangle
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition

@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fikm_drake.fuzzy.checks import check_finite
+from fikm_drake.checks import check_finite
 
 Array = NDArray[np.float64]
 

@@ -4,6 +4,7 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
+from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 
 
@@ -34,8 +35,11 @@ def MakeDhArmPlant(arm: DhArm, *, time_step: float = 0.0) -> MultibodyPlant:
     Args:
         arm: the arm.
         time_step: of a discrete plant [s]; 0: a continuous one.
+
+    Raises:
+        ValueError: the time step is negative or not finite.
     """
-    plant = MultibodyPlant(time_step=time_step)
+    plant = MultibodyPlant(time_step=check_not_negative("time_step", time_step))
     AddDhArm(plant, arm)
     plant.Finalize()
     return plant

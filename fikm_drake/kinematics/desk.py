@@ -2,14 +2,15 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import cos, isfinite, sin
+from math import cos, sin
 from numbers import Integral
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.checks import check_finite, check_finites
+from fikm_drake.resources import load_model
 
 Array = NDArray[np.float64]
 
@@ -31,20 +32,23 @@ class Desk:
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value, unless this is a rectangle."""
-        if len(self.origin) != 3 or not all(map(isfinite, self.origin)):
-            raise ValueError(f"origin must be three finite numbers [m], got {self.origin}")
-        if not isfinite(self.yaw):
-            raise ValueError(f"yaw must be finite [rad], got {self.yaw!r}")
-        if len(self.size) != 2 or not all(isinstance(s, Integral) and s > 0 for s in self.size):
+        check_finites("origin", self.origin, 3, "m")
+        check_finite("yaw [rad]", self.yaw)
+        check_finites("size", self.size, 2, "mm")
+        if not all(isinstance(s, Integral) and s > 0 for s in self.size):
             raise ValueError(f"size must be two positive integers [mm], got {self.size}")
 
     def to_world(self, points: ArrayLike) -> Array:
-        """Points (…,2) of the desk [mm] in the world (…,3) [m]."""
-        return np.asarray(points, dtype=float) / 1000 @ self._axes()[:2] + self.origin
+        """Points (…,2) of the desk [mm] in the world (…,3) [m]; ValueError for another shape."""
+        return _rows("points", points, 2) / 1000 @ self._axes()[:2] + self.origin
 
     def from_world(self, positions: ArrayLike) -> Array:
-        """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m]."""
-        return 1000 * (np.asarray(positions, dtype=float) - self.origin) @ self._axes().T
+        """x, y and height over the desk (…,3) [mm] of positions (…,3) in the world [m].
+
+        Raises:
+            ValueError: positions of another shape.
+        """
+        return 1000 * (_rows("positions", positions, 3) - self.origin) @ self._axes().T
 
     def grid(self, every: int = 1) -> NDArray[np.int64]:
         """Points at every whole millimetre, or every so many (nx, ny, 2)."""
@@ -57,6 +61,13 @@ class Desk:
         return np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+def _rows(name: str, values: ArrayLike, size: int) -> Array:
+    array = np.asarray(values, dtype=float)
+    if array.shape[-1:] != (size,):
+        raise ValueError(f"{name} must be (…, {size}), got {array.shape}")
+    return array
+
+
 def load_desk(name_or_path: str | Path) -> Desk:
     """Load a desk by the name of one of our models or from a YAML file of your own.
 
@@ -64,10 +75,4 @@ def load_desk(name_or_path: str | Path) -> Desk:
         FileNotFoundError: there is no such file; the message lists ours.
         ValueError: the file does not describe a desk; the message says what is wrong.
     """
-    path = find_model(name_or_path, folder="desks", kind="desk")
-    desk = load_yaml(Desk, path, kind="desk")
-    try:
-        desk.validate()
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
-    return desk
+    return load_model(Desk, name_or_path, folder="desks", kind="desk")

@@ -2,7 +2,9 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf
+
+from fikm_drake.checks import check_finite, check_number
 
 CONVENTIONS = ("craig", "standard")
 JOINT_TYPES = ("revolute", "prismatic")
@@ -24,9 +26,7 @@ class DhTransform:
     def validate(self, where: str) -> None:
         """Raise ValueError, naming `where` and the number, unless all four are finite."""
         for name in ("alpha", "a", "d", "theta"):
-            value = getattr(self, name)
-            if not _is_number(value) or not isfinite(value):
-                raise ValueError(f"{where}: {name} must be a finite number, got {value!r}")
+            check_finite(f"{where}: {name}", getattr(self, name))
 
 
 @dataclass
@@ -65,8 +65,8 @@ class DhJoint(DhTransform):
             raise ValueError(f"{where}: type must be one of {JOINT_TYPES}, got {self.type!r}")
         for name in ("lower", "upper", "velocity"):
             value = getattr(self, name)
-            if value is not None and not _is_number(value):
-                raise ValueError(f"{where}: {name} must be a number or None, got {value!r}")
+            if value is not None:
+                check_number(f"{where}: {name}", value, "a number or None", lambda x: x == x)
         lower, upper = self.limits
         if not lower < upper:
             raise ValueError(f"{where}: lower must be less than upper, got {lower} and {upper}")
@@ -108,10 +108,6 @@ class DhTable:
         for i, joint in enumerate(self.joints, start=1):
             joint.validate(f"arm {self.name!r}, joint {i}")
         self.tool.validate(f"arm {self.name!r}, tool")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float))
 
 
 def _is_identifier(name: str) -> bool:

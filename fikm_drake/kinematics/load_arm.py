@@ -4,7 +4,7 @@ from pathlib import Path
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
-from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.resources import load_model
 
 
 def load_arm(name_or_path: str | Path) -> DhArm:
@@ -17,9 +17,4 @@ def load_arm(name_or_path: str | Path) -> DhArm:
         FileNotFoundError: there is no such file; the message lists our models.
         ValueError: the file does not describe an arm; the message says what is wrong.
     """
-    path = find_model(name_or_path, kind="arm")
-    table = load_yaml(DhTable, path, kind="arm")
-    try:
-        return DhArm(table)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    return DhArm(load_model(DhTable, name_or_path, kind="arm"))

@@ -24,7 +24,7 @@ def frame_by_name(plant: MultibodyPlant, name: str) -> Frame:
     """
     try:
         return GetScopedFrameByName(plant, name)
-    except RuntimeError:
+    except (RuntimeError, TypeError):
         frames = (plant.get_frame(FrameIndex(i)) for i in range(plant.num_frames()))
         raise ValueError(
             f"frame must name exactly one frame of the plant, got {name!r}; there are: "

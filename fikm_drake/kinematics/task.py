@@ -1,7 +1,8 @@
 """Which coordinates of the tool count."""
 
 from dataclasses import dataclass
-from math import isfinite
+
+from fikm_drake.checks import check_positive_finite
 
 POSITION_TASKS = ("position", "xy", "xz", "yz", "x", "y", "z")
 TASKS = (*POSITION_TASKS, "orientation", "pose")
@@ -27,9 +28,7 @@ class Task:
     def __post_init__(self) -> None:
         if self.name not in TASKS:
             raise ValueError(f"task must be one of {TASKS}, got {self.name!r}")
-        length = self.characteristic_length
-        if not (isfinite(length) and length > 0.0):
-            raise ValueError(f"characteristic_length must be positive [m], got {length!r}")
+        check_positive_finite("characteristic_length", self.characteristic_length, "m")
 
     @property
     def turns(self) -> bool:

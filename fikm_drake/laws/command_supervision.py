@@ -1,12 +1,12 @@
 """Calms the velocity command of any controller that chatters."""
 
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fikm_drake.laws.sign_changes import SignChanges
+from fikm_drake.checks import check_counts, check_finite, check_not_negative, check_number
+from fikm_drake.laws.sign_changes import SignChanges, check_sign_changes
 
 REGROWTH = 1.02
 """The fraction of recovery grows by this a cycle of calm at a gain of 1: 35 make up for a halving."""
@@ -35,18 +35,12 @@ class CommandSupervisorConfig:
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
-        if not isinstance(self.window, int) or self.window < 2:
-            raise ValueError(f"window must be an integer of at least 2 cycles, got {self.window!r}")
-        if not 1 <= self.sign_changes < self.window:
-            raise ValueError(
-                f"sign_changes must be from 1 to window − 1 = {self.window - 1}, "
-                f"got {self.sign_changes!r}"
-            )
-        if not (isfinite(self.dead_band) and self.dead_band >= 0.0):
-            raise ValueError(f"dead_band must be finite and not negative, got {self.dead_band!r}")
+        check_sign_changes("", self.sign_changes, self.window)
+        check_not_negative("dead_band", self.dead_band)
         for name in ("fall", "least_gain"):
-            if not 0.0 < getattr(self, name) < 1.0:
-                raise ValueError(f"{name} must be in (0, 1), got {getattr(self, name)!r}")
+            check_number(name, getattr(self, name), "in (0, 1)", lambda x: 0.0 < x < 1.0)
+        for name in ("recovery", "slowest_recovery"):
+            check_finite(name, getattr(self, name))
         if not 0.0 < self.slowest_recovery <= self.recovery < np.inf:
             raise ValueError(
                 "recovery must be finite and slowest_recovery in (0, recovery], "
@@ -81,6 +75,7 @@ class CommandSupervision:
     def __init__(self, num_joints: int, config: CommandSupervisorConfig | None = None) -> None:
         config = config or CommandSupervisorConfig()
         config.validate()
+        check_counts(num_joints=num_joints)
         self._n = num_joints
         self._changes = SignChanges(num_joints, window=config.window, dead_band=config.dead_band)
         self._threshold = config.sign_changes

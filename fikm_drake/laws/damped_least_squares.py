@@ -1,9 +1,10 @@
 """Damped least squares, the strongest ordinary alternative."""
 
-from math import isfinite
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from fikm_drake.checks import check_positive_finite
+from fikm_drake.laws.law import as_arrays
 
 Array = NDArray[np.float64]
 
@@ -19,13 +20,11 @@ class DampedLeastSquares:
     """
 
     def __init__(self, damping: float = 0.05) -> None:
-        if not (isfinite(damping) and damping > 0.0):
-            raise ValueError(f"damping must be positive and finite, got {damping!r}")
-        self.damping = float(damping)
+        self.damping = check_positive_finite("damping", damping, "unit of J")
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""
-        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
+        J, dr = as_arrays(J, dr)
         JT = np.swapaxes(J, -1, -2)
         square = J @ JT + self.damping**2 * np.eye(J.shape[-2])
         return (JT @ np.linalg.solve(square, dr[..., None]))[..., 0]

@@ -1,14 +1,16 @@
 """The fuzzy inverse kinematic mapping: (J, dr) to a joint step (Xu & Nechyba 1993)."""
 
 from functools import cache
-from math import hypot, inf, isfinite
+from math import hypot, inf
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_below_one, check_counts, check_not_negative
 from fikm_drake.fuzzy.generate import generate_rule_base
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
+from fikm_drake.laws.law import as_arrays
 
 METHODS = ("indirect", "direct")
 
@@ -70,26 +72,17 @@ class FuzzyMapping:
     ) -> None:
         if method not in METHODS:
             raise ValueError(f"method must be one of {METHODS}, got {method!r}")
-        if not 0.0 <= zero_threshold < 1.0:
-            raise ValueError(f"zero_threshold must be in [0, 1), got {zero_threshold!r}")
-        if not isinstance(iterations, int) or iterations < 1:
-            raise ValueError(f"iterations must be a positive integer, got {iterations!r}")
-        for name, value in (
-            ("damping", damping),
-            ("row_floor", row_floor),
-            ("column_floor", column_floor),
-        ):
-            if not (isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} must be finite and not negative, got {value!r}")
+        check_counts(iterations=iterations)
+        self.zero_threshold = check_below_one("zero_threshold", zero_threshold)
+        self.damping = check_not_negative("damping", damping)
+        self.row_floor = check_not_negative("row_floor", row_floor)
+        self.column_floor = check_not_negative("column_floor", column_floor)
         if damping and iterations < 2:
             raise ValueError("damping needs iterations of 2 or more: the paper's law has none")
         if method == "direct" and (iterations > 1 or row_floor or column_floor):
             raise ValueError("iterations and floors are of method 'indirect', not of 'direct'")
         self.method = method
         self.iterations = iterations
-        self.damping = float(damping)
-        self.row_floor, self.column_floor = float(row_floor), float(column_floor)
-        self.zero_threshold = float(zero_threshold)
         self._plain = iterations == 1 and not row_floor and not column_floor
         if method == "indirect":
             return
@@ -130,9 +123,7 @@ class FuzzyMapping:
         Raises:
             ValueError: the shapes do not fit, or |J_ij| exceeds the range of `direct`.
         """
-        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
-        if J.ndim < 2 or dr.ndim < 1 or J.shape[-2] != dr.shape[-1]:
-            raise ValueError(f"J must be (…, m, n) and dr (…, m), got {J.shape} and {dr.shape}")
+        J, dr = as_arrays(J, dr)
         A = np.abs(J)
         rows = self._reciprocal(A.sum(-1), self.row_floor)
         columns = self._reciprocal(A.sum(-2), self.column_floor)

@@ -1,16 +1,18 @@
 """Fuzzy resolved motion rate control: (J, dr) to a joint step, joint by joint (Kim & Lee 1993)."""
 
-from math import isfinite, sqrt
+from math import sqrt
 from operator import mul
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_counts, check_number, check_positive_finite
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.kinematics.column_reach import column_reach
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.law import as_arrays
 from fikm_drake.laws.rate_inference import INFERENCE, rate_rules, rule_texts
 
 LEAST = 1e-6
@@ -72,23 +74,17 @@ class FuzzyRateControl:
         if gain is None:  # the paper gives none
             exact = sweeps == 1 and reach is None
             gain = 1.4 if variant == "paper" else 1.0 if exact else 1.3
-        if not 0.0 < gain < 2.0:
-            raise ValueError(f"gain must be in (0, 2), beyond is not stable, got {gain!r}")
-        if not isinstance(sweeps, int) or sweeps < 1:
-            raise ValueError(f"sweeps must be a positive integer, got {sweeps!r}")
-        if not 0.0 < floor <= 1.0:
-            raise ValueError(f"floor must be in (0, 1], got {floor!r}")
-        if not (isfinite(error_range) and error_range > 0.0):
-            raise ValueError(f"error_range must be positive and finite [m], got {error_range!r}")
+        check_counts(sweeps=sweeps)
+        stable = "in (0, 2), beyond is not stable"
         self.variant = variant
-        self.gain = float(gain)
+        self.gain = check_number("gain", gain, stable, lambda x: 0.0 < x < 2.0)
         self.sweeps = sweeps
-        self.floor = float(floor)
-        self.error_range = float(error_range)
+        self.floor = check_number("floor", floor, "in (0, 1]", lambda x: 0.0 < x <= 1.0)
+        self.error_range = check_positive_finite("error_range", error_range, "m")
         self.reach = None if reach is None else _checked_reach(reach)
         self._many, self._one = INFERENCE[variant]
         self._shorten = variant == "smooth"
-        self._floors: list[float] = np.geomspace(floor, 1.0, sweeps)[::-1].tolist()
+        self._floors: list[float] = np.geomspace(self.floor, 1.0, sweeps)[::-1].tolist()
         self._reaches: list[float] = [] if self.reach is None else self.reach.tolist()
 
     @classmethod
@@ -106,7 +102,7 @@ class FuzzyRateControl:
         Raises:
             ValueError: a prismatic joint without limits makes a reach infinite, or as above.
         """
-        task = Task(task) if isinstance(task, str) else task
+        task = task if isinstance(task, Task) else Task(task)
         return cls(variant, reach=column_reach(arm.jacobian_range(), task), **options)
 
     @property
@@ -132,9 +128,7 @@ class FuzzyRateControl:
         Raises:
             ValueError: the shapes do not fit.
         """
-        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
-        if J.ndim < 2 or dr.ndim < 1 or J.shape[-2] != dr.shape[-1]:
-            raise ValueError(f"J must be (…, m, n) and dr (…, m), got {J.shape} and {dr.shape}")
+        J, dr = as_arrays(J, dr)
         m, n = J.shape[-2:]
         if self.reach is not None and len(self.reach) != n:
             raise ValueError(f"J must have {len(self.reach)} columns, as reach has, got {n}")

@@ -6,8 +6,10 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.checks import check_not_negative, check_number, check_positive
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
+from fikm_drake.laws.sign_changes import check_sign_changes
 from fikm_drake.laws.steps import length
 
 MAX_JOINTS = 52
@@ -67,22 +69,14 @@ class GainSupervisorConfig:
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""
-        if not isinstance(self.window, int) or self.window < 2:
-            raise ValueError(f"window must be an integer of at least 2 cycles, got {self.window!r}")
-        if not isinstance(self.slow_window, int) or self.slow_window < self.window:
+        check_sign_changes("", self.sign_changes, self.window)
+        check_sign_changes("slow_", self.slow_sign_changes, self.slow_window)
+        if self.slow_window < self.window:
             raise ValueError(
-                f"slow_window must be an integer of at least window = {self.window}, "
-                f"got {self.slow_window!r}"
+                f"slow_window must be at least window = {self.window}, got {self.slow_window!r}"
             )
-        for prefix, window in (("", self.window), ("slow_", self.slow_window)):
-            changes = getattr(self, f"{prefix}sign_changes")
-            if not 1 <= changes < window:
-                raise ValueError(
-                    f"{prefix}sign_changes must be from 1 to {prefix}window − 1 = {window - 1}, "
-                    f"got {changes!r}"
-                )
         for name in ("error_breakpoints", "gains", "oscillating_gains"):
-            if len(getattr(self, name)) != 3:
+            if np.shape(getattr(self, name)) != (3,):
                 raise ValueError(
                     f"{name} needs three numbers (S, M, B), got {getattr(self, name)!r}"
                 )
@@ -92,19 +86,12 @@ class GainSupervisorConfig:
                 f"error_breakpoints must be finite and increase, got {self.error_breakpoints!r}"
             )
         for name in ("gains", "oscillating_gains"):
-            if not all(isfinite(g) and g >= 0 for g in getattr(self, name)):
-                raise ValueError(
-                    f"{name} must be finite and not negative, got {getattr(self, name)!r}"
-                )
-        if not 0.0 < self.calming <= 1.0:
-            raise ValueError(f"calming must be in (0, 1], got {self.calming!r}")
-        if not (isfinite(self.recovery) and self.recovery > 1.0):
-            raise ValueError(f"recovery must be finite and above 1, got {self.recovery!r}")
+            for gain in getattr(self, name):
+                check_not_negative(name, gain)
+        check_number("calming", self.calming, "in (0, 1]", lambda x: 0.0 < x <= 1.0)
+        check_number("recovery", self.recovery, "finite and above 1", lambda x: 1.0 < x < inf)
         for name in ("dead_band", "initial_gain", "calm_damping"):
-            if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise ValueError(
-                    f"{name} must be finite and not negative, got {getattr(self, name)!r}"
-                )
+            check_not_negative(name, getattr(self, name))
 
 
 def gain_rules(config: GainSupervisorConfig) -> RuleBase:
@@ -165,7 +152,7 @@ class GainSupervision:
         self._dead_band = config.dead_band
         self._calming, self._recovery = config.calming, config.recovery
         self._calm_damping = config.calm_damping
-        self._error_limit = error_limit
+        self._error_limit = check_positive("error_limit", error_limit)
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.laws.law import as_arrays
+
 Array = NDArray[np.float64]
 
 
@@ -11,7 +13,7 @@ class JacobianTranspose:
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""
-        J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
+        J, dr = as_arrays(J, dr)
         direction = (dr[..., None, :] @ J)[..., 0, :]
         image = (J @ direction[..., None])[..., 0]
         along = (image * dr).sum(-1, keepdims=True)

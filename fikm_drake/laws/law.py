@@ -25,3 +25,11 @@ class Law(Protocol):
 def takes_damping(law: Law) -> bool:
     """True if the law's `step` takes a damping."""
     return bool(getattr(law, "takes_damping", False))
+
+
+def as_arrays(J: ArrayLike, dr: ArrayLike) -> tuple[Array, Array]:
+    """A Jacobian (…,m,n) and a task error (…,m); ValueError, naming the shapes, if they do not fit."""
+    J, dr = np.asarray(J, dtype=float), np.asarray(dr, dtype=float)
+    if J.ndim < 2 or dr.ndim < 1 or not J.shape[-2] == dr.shape[-1] > 0 < J.shape[-1]:
+        raise ValueError(f"J must be (…, m, n) and dr (…, m), got {J.shape} and {dr.shape}")
+    return J, dr

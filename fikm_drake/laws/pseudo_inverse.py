@@ -3,6 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_below_one
+from fikm_drake.laws.law import as_arrays
+
 Array = NDArray[np.float64]
 
 
@@ -17,14 +20,11 @@ class PseudoInverse:
     """
 
     def __init__(self, cutoff: float = 1e-9) -> None:
-        if not 0.0 <= cutoff < 1.0:
-            raise ValueError(f"cutoff must be in [0, 1), got {cutoff!r}")
-        self.cutoff = float(cutoff)
+        self.cutoff = check_below_one("cutoff", cutoff)
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""
-        dr = np.asarray(dr, dtype=float)
-        inverse = np.linalg.pinv(np.asarray(J, dtype=float), self.cutoff)
-        return (inverse @ dr[..., None])[..., 0]
+        J, dr = as_arrays(J, dr)
+        return (np.linalg.pinv(J, self.cutoff) @ dr[..., None])[..., 0]
 
     step = __call__

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.checks import check_counts
+
 Array = NDArray[np.float64]
 
 
@@ -40,3 +42,19 @@ class SignChanges:
         ring[int(memory[0]) % len(ring)] = sign * last < 0.0
         np.copyto(last, sign, where=sign != 0.0)
         memory[0] += 1.0
+
+
+def check_sign_changes(prefix: str, sign_changes: int, window: int) -> None:
+    """ValueError, naming the bad value, unless a window can hold that many changes of sign.
+
+    Args:
+        prefix: of the names `sign_changes` and `window` in the message.
+        sign_changes: from 1 to `window` − 1.
+        window: at least 2 [cycles].
+    """
+    check_counts(2, **{f"{prefix}window": window})
+    if sign_changes not in range(1, window):
+        raise ValueError(
+            f"{prefix}sign_changes must be an integer from 1 to {prefix}window − 1 = {window - 1}, "
+            f"got {sign_changes!r}"
+        )

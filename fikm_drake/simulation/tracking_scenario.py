@@ -3,17 +3,17 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 import dataclasses
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
+from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.resources import load_model
 from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
@@ -70,8 +70,7 @@ class TrackingScenario:
         if not np.isfinite(points).all():
             raise ValueError(f"waypoints must be finite [m], got {self.waypoints}")
         for name in ("duration", "hold"):
-            if not (isfinite(getattr(self, name)) and getattr(self, name) >= 0):
-                raise ValueError(f"{name} must not be negative [s], got {getattr(self, name)!r}")
+            check_not_negative(name, getattr(self, name))
         if self.profile not in PROFILES:
             raise ValueError(f"profile must be one of {PROFILES}, got {self.profile!r}")
         self.controller_config().validate()
@@ -140,10 +139,4 @@ def load_scenario(name_or_path: str | Path) -> TrackingScenario:
         FileNotFoundError: there is no such file; the message lists ours.
         ValueError: the file does not describe a scenario; the message says what is wrong.
     """
-    path = find_model(name_or_path, folder="scenarios", kind="scenario")
-    scenario = load_yaml(TrackingScenario, path, kind="scenario")
-    try:
-        scenario.validate()
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
-    return scenario
+    return load_model(TrackingScenario, name_or_path, folder="scenarios", kind="scenario")

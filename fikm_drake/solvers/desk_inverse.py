@@ -6,6 +6,7 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_finites
 from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.kinematics.desk import Desk
@@ -28,7 +29,8 @@ class DeskInverse:
             neighbouring points get neighbouring postures [rad].
 
     Raises:
-        ValueError: a joint is prismatic, or see `Desk.validate`.
+        ValueError: a joint is prismatic, `initial_position` is not n finite numbers, or see
+            `Desk.validate`.
     """
 
     def __init__(self, arm: DhArm, desk: Desk, initial_position: ArrayLike) -> None:
@@ -38,7 +40,8 @@ class DeskInverse:
                 raise ValueError(f"all joints must be revolute, joint {i} of {arm.name!r} is not")
         self.arm = arm
         self._desk = copy.deepcopy(desk)
-        self._initial_position = np.array(initial_position, dtype=float)
+        start = check_finites("initial_position", initial_position, arm.num_joints, "rad")
+        self._initial_position = np.array(start)
 
     @property
     def desk(self) -> Desk:
@@ -55,7 +58,7 @@ class DeskInverse:
             (…,n) [rad].
 
         Raises:
-            ValueError: a point is out of reach; the message names it.
+            ValueError: a point is out of reach, or points of another shape; the message names them.
         """
         points = np.asarray(points, dtype=float)
         targets = self._desk.to_world(points).reshape(-1, 3)

@@ -1,11 +1,11 @@
 """Fuzzy inverse kinematics in integers only (Tojo & Morishita 2010)."""
 
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_positive_finite
 from fikm_drake.fuzzy.integer import IntegerRuleBase, write_c
 from fikm_drake.fuzzy.integer.integer_partition import Rounding
 from fikm_drake.fuzzy.integer.integer_rule_base import LARGEST, Conjunction
@@ -55,11 +55,9 @@ class IntegerFuzzyIk:
         resolution: float = 0.01,
         least_squares: bool = False,
     ) -> None:
-        if not (isfinite(resolution) and resolution > 0.0):
-            raise ValueError(f"resolution must be positive and finite [°], got {resolution!r}")
+        self._resolution = check_positive_finite("resolution", resolution, "°")
         if np.shape(labels) != (2,):
             raise ValueError(f"labels must be two numbers, of x and of y, got {labels!r}")
-        self._resolution = float(resolution)
         first, second, singletons = (source or tojo_inverse()).singletons(
             labels, conjunction, least_squares=least_squares
         )

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.batch_arm import BatchArm
 from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
@@ -70,7 +71,8 @@ def solve_batch(
     """
     array, valid = checked_targets(targets, task)
     pair = _checked_tolerance(tolerance)
-    _check_counts(restarts=(restarts, 0), max_cycles=(max_cycles, 1), seed=(seed, 0))
+    check_counts(0, restarts=restarts, seed=seed)
+    check_counts(max_cycles=max_cycles)
     start = _checked_start(arm, initial_position, len(array), limits)
 
     n, count = arm.num_joints, len(array)
@@ -148,12 +150,6 @@ def _checked_tolerance(tolerance: float | tuple[float, float]) -> tuple[float, f
     if values.ndim == 0:
         return float(values), TOLERANCE[1]
     return float(values[0]), float(values[1])
-
-
-def _check_counts(**counts: tuple[int, int]) -> None:
-    for name, (value, least) in counts.items():
-        if not isinstance(value, (int, np.integer)) or value < least:
-            raise ValueError(f"{name} must be an integer of at least {least}, got {value!r}")
 
 
 def _checked_start(

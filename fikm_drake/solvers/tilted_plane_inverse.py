@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fikm_drake.checks import check_finites
 from fikm_drake.kinematics.desk import Desk
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
@@ -26,13 +27,14 @@ class TiltedPlaneInverse(DeskInverse):
         heading: of the hand at the near and at the far edge of the desk [rad].
 
     Raises:
-        ValueError: the arm has another geometry, or see `Desk.validate`.
+        ValueError: the arm has another geometry, the heading is not two finite angles, or see
+            `Desk.validate`.
     """
 
     def __init__(self, arm: DhArm, desk: Desk, *, heading: tuple[float, float] = HEADING) -> None:
         super().__init__(arm, desk, arm.default_position)
         self._lengths = _link_lengths(arm.table)
-        self._heading = heading
+        self._heading = check_finites("heading", heading, 2, "rad")
 
     def __call__(self, points: ArrayLike) -> Array:
         """As of `DeskInverse`."""

@@ -8,7 +8,7 @@ from pydrake.systems.framework import BasicVector, Context, DiscreteValues, Leaf
 
 from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_period, check_sizes
+from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
 Array = NDArray[np.float64]
@@ -51,7 +51,6 @@ class CommandSupervisor(LeafSystem):
         self, num_joints: int, *, period: float, config: CommandSupervisorConfig | None = None
     ) -> None:
         super().__init__()
-        check_sizes(num_joints=num_joints)
         self._supervision = CommandSupervision(num_joints, config)
         self._hold = np.zeros(num_joints)
         command = self.DeclareVectorInputPort("commanded_velocity", num_joints)

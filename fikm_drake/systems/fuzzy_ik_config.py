@@ -2,15 +2,21 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf
 from typing import Any
 
 import numpy as np
 
+from fikm_drake.checks import (
+    check_below_one,
+    check_not_negative,
+    check_number,
+    check_positive,
+    check_positive_finite,
+)
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
 from fikm_drake.laws.gain_supervision import GainSupervisorConfig
-from fikm_drake.systems.checks import check_not_negative, check_positive, check_smoothing
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 
 
@@ -155,19 +161,19 @@ class FuzzyIkConfig:
         if self.method not in METHODS:
             raise ValueError(f"method must be one of {METHODS}, got {self.method!r}")
         self.make_task()
-        if not (isfinite(self.control_rate) and self.control_rate > 0):
-            raise ValueError(f"control_rate must be positive [Hz], got {self.control_rate!r}")
+        check_positive_finite("control_rate", self.control_rate, "Hz")
         for name in ("error_limit", "tolerance", "longest_step"):
             check_positive(name, getattr(self, name))
         for name in ("velocity_limit", "acceleration_limit", "detour_speed"):
             check_positive(name, getattr(self, name))
         for name in ("side_step", "limit_zone"):
             check_not_negative(name, getattr(self, name))
-        if not 0.0 <= self.posture_gain <= self.control_rate:
-            raise ValueError(
-                f"posture_gain must be from 0 to control_rate = {self.control_rate:g} [1/s], "
-                f"got {self.posture_gain!r}"
-            )
+        check_number(
+            "posture_gain",
+            self.posture_gain,
+            f"from 0 to control_rate = {self.control_rate:g} [1/s]",
+            lambda gain: 0.0 <= gain <= self.control_rate,
+        )
         for name in ("gain_smoothing", "error_smoothing"):
-            check_smoothing(name, getattr(self, name))
+            check_below_one(name, getattr(self, name))
         self.supervisor.validate()

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.checks import check_counts
 from fikm_drake.laws.gain_supervision import MAX_JOINTS, GainSupervision, GainSupervisorConfig
 from fikm_drake.laws.steps import length
-from fikm_drake.systems.checks import check_period, check_positive, check_sizes
+from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -61,11 +62,10 @@ class GainSupervisor(LeafSystem):
         error_limit: float = inf,
     ) -> None:
         super().__init__()
-        check_sizes(num_rows=num_rows, num_joints=num_joints)
+        check_counts(num_rows=num_rows, num_joints=num_joints)
         if num_joints > MAX_JOINTS:
             raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
-        limit = check_positive("error_limit", error_limit)
-        self._supervision = GainSupervision(config, error_limit=limit)
+        self._supervision = GainSupervision(config, error_limit=error_limit)
         error = self.DeclareVectorInputPort("task_error", num_rows)
         step = self.DeclareVectorInputPort("joint_step", num_joints)
         self._error, self._step = error.Eval, step.Eval

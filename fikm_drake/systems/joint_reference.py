@@ -1,15 +1,16 @@
 """The block between a sampled position command and a faster inner loop."""
 
 from functools import partial
-from math import floor, isfinite
+from math import floor
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
+from fikm_drake.checks import check_counts, check_positive, check_positive_finite
 from fikm_drake.laws.follow import follow
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_period, check_positive, check_sizes
+from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
 
@@ -56,7 +57,7 @@ class JointReference(LeafSystem):
         acceleration_limit: float,
     ) -> None:
         super().__init__()
-        check_sizes(num_joints=num_joints)
+        check_counts(num_joints=num_joints)
         self._period = check_period(period)
         self._time_step = check_positive("time_step", time_step)
         if self._time_step > self._period:
@@ -66,10 +67,7 @@ class JointReference(LeafSystem):
             raise ValueError(
                 f"velocity_limits must be {num_joints} positive numbers, got {speed.tolist()}"
             )
-        if not (isfinite(acceleration_limit) and acceleration_limit > 0.0):
-            raise ValueError(
-                f"acceleration_limit must be positive and finite, got {acceleration_limit!r}"
-            )
+        check_positive_finite("acceleration_limit", acceleration_limit, "rad/s² or m/s²")
         self._n = num_joints
         self._follow = partial(
             follow, step=self._time_step, speed=speed, acceleration=float(acceleration_limit)

@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.checks import check_counts
 from fikm_drake.laws.steps import all_finite
-from fikm_drake.systems.checks import check_period, check_sizes
+from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -37,7 +38,7 @@ class LastFinite(LeafSystem):
 
     def __init__(self, size: int, *, period: float) -> None:
         super().__init__()
-        check_sizes(size=size)
+        check_counts(size=size)
         signal = self.DeclareVectorInputPort("signal", size)
         self._signal = signal.Eval
         self.DeclareDiscreteState(size)

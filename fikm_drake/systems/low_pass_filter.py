@@ -1,11 +1,10 @@
 """A discrete low-pass filter without a line of Python at run time."""
 
-from math import isfinite
-
 import numpy as np
 from pydrake.systems.primitives import LinearSystem
 
-from fikm_drake.systems.checks import check_period, check_sizes, check_smoothing
+from fikm_drake.checks import check_below_one, check_counts, check_finite
+from fikm_drake.systems.checks import check_period
 
 
 class LowPassFilter(LinearSystem):
@@ -44,10 +43,9 @@ class LowPassFilter(LinearSystem):
         smoothing: float = 2.0 / 3.0,
         initial_value: float = 0.0,
     ) -> None:
-        check_sizes(size=size)
-        if not isfinite(initial_value):
-            raise ValueError(f"initial_value must be finite, got {initial_value!r}")
-        keep = check_smoothing("smoothing", smoothing) * np.eye(size)
+        check_counts(size=size)
+        start = check_finite("initial_value", initial_value)
+        keep = check_below_one("smoothing", smoothing) * np.eye(size)
         new = np.eye(size) - keep
         super().__init__(keep, new, keep, new, check_period(period))
-        self.configure_default_state(np.full(size, float(initial_value)))
+        self.configure_default_state(np.full(size, start))

@@ -5,10 +5,10 @@ from math import inf
 
 import numpy as np
 
+from fikm_drake.checks import check_not_negative, check_number, check_positive
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.limit_weights import LimitWeights
 from fikm_drake.laws.safe_step import SafeStep
-from fikm_drake.systems.checks import check_not_negative, check_positive
 from fikm_drake.systems.joint_integrator import check_position
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 
@@ -30,21 +30,18 @@ def make_safe_step(
     """
     lower, upper = kinematics.lower, kinematics.upper
     check_not_negative("limit_zone", limit_zone)
-    if not 0.0 <= posture_gain <= 1.0:
-        raise ValueError(f"posture_gain must be in [0, 1] a cycle, got {posture_gain!r}")
-    posture = None
-    if posture_gain:
-        posture = kinematics.default_position
-        both = np.isfinite(lower) & np.isfinite(upper)
-        posture[both] = 0.5 * (lower[both] + upper[both])
-        if len(nominal_position):
-            posture = check_position(nominal_position, lower, upper, name="nominal_position")
+    check_number("posture_gain", posture_gain, "in [0, 1] a cycle", lambda x: 0.0 <= x <= 1.0)
+    posture = kinematics.default_position
+    both = np.isfinite(lower) & np.isfinite(upper)
+    posture[both] = 0.5 * (lower[both] + upper[both])
+    if np.size(nominal_position):
+        posture = check_position(nominal_position, lower, upper, name="nominal_position")
     bounded = np.isfinite(lower).any() or np.isfinite(upper).any()
     return SafeStep(
         law,
         longest=check_positive("longest_step", longest_step),
         limits=LimitWeights(lower, upper, limit_zone) if limit_zone and bounded else None,
-        posture=posture,
+        posture=posture if posture_gain else None,
         posture_gain=posture_gain,
         side_step=check_not_negative("side_step", side_step),
     )

@@ -4,10 +4,10 @@ from math import isfinite
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.checks import check_counts, check_positive
 from fikm_drake.laws.controller_status import controller_status
 from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.steps import length
-from fikm_drake.systems.checks import check_positive, check_sizes
 
 
 class StatusMonitor(LeafSystem):
@@ -44,7 +44,7 @@ class StatusMonitor(LeafSystem):
 
     def __init__(self, size: int, *, tolerance: float = 1e-3, detour: bool = False) -> None:
         super().__init__()
-        check_sizes(size=size)
+        check_counts(size=size)
         self._tolerance = check_positive("tolerance", tolerance)
         self._error = self.DeclareVectorInputPort("task_error", size)
         self._flags = [

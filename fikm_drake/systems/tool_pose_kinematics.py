@@ -71,5 +71,5 @@ def make_tool_kinematics(plant: MultibodyPlant, frame: str, task: str | Task) ->
     Raises:
         ValueError: see `Task` and `ToolKinematics`.
     """
-    task = Task(task) if isinstance(task, str) else task
+    task = task if isinstance(task, Task) else Task(task)
     return (ToolPoseKinematics if task.turns else ToolKinematics)(plant, frame, task)

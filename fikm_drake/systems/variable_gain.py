@@ -5,8 +5,8 @@ from math import inf, isfinite
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.checks import check_counts, check_positive
 from fikm_drake.laws.steps import all_finite, amplify, length
-from fikm_drake.systems.checks import check_positive, check_sizes
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -39,7 +39,7 @@ class VariableGain(LeafSystem):
 
     def __init__(self, size: int, *, limit: float = inf) -> None:
         super().__init__()
-        check_sizes(size=size)
+        check_counts(size=size)
         self._limit = check_positive("limit", limit)
         self._zeros = np.zeros(size)
         gain = self.DeclareVectorInputPort("gain", 1)

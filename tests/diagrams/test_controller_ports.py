@@ -1,14 +1,12 @@
 """The controller's ports and configuration, as a Diagram and as one block."""
 
-import inspect
-import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import yaml
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
-from pydrake.systems.framework import DiagramBuilder, System
+from pydrake.systems.framework import DiagramBuilder
 
 import fikm_drake as fd
 
@@ -46,29 +44,6 @@ def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, detour
     for i in range(controller.num_input_ports()):
         through = {name for j, name in enumerate(OUTPUTS) if controller.HasDirectFeedthrough(i, j)}
         assert through == {"joint_step", "task_error", "gain", "status"}
-
-
-def test_the_docstring_begins_with_the_ports(plant, ports):
-    for fused, cls in ((False, fd.FuzzyIkController), (True, fd.FusedFuzzyIk)):
-        config = fd.FuzzyIkConfig(fused=fused, measured_position=True)
-        inputs, outputs = ports(fd.MakeFuzzyIkController(plant, config=config))
-        block = re.search(r"\.\. pydrake_system::\n\n((?: {4}.*\n)+)", inspect.getdoc(cls))
-        assert yaml.safe_load(block.group(1)) == {
-            "name": cls.__name__,
-            "input_ports": list(inputs),
-            "output_ports": list(outputs),
-        }
-    for name in [*inputs, *outputs]:
-        assert f"**{name}**" in fd.FuzzyIkController.__doc__
-
-
-def test_every_public_system_describes_its_ports():
-    """The others are in tests/systems."""
-    public = [getattr(fd, name) for name in fd.__all__]
-    systems = [x for x in public if isinstance(x, type) and issubclass(x, System)]
-    assert len(systems) == 18
-    for cls in systems:
-        assert ".. pydrake_system::" in cls.__doc__
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
@@ -128,6 +129,11 @@ def test_ports_that_do_not_fit_are_named(system, words, plant_with):
     with pytest.raises(ValueError) as error:
         fd.SupervisedDifferentialIk(system, plant_with("iiwa14"), period=PERIOD)
     assert all(word in str(error.value) for word in words)
+
+
+def test_the_plant_must_be_finalized():
+    with pytest.raises(ValueError, match="finalized"):
+        fd.SupervisedDifferentialIk(Proportional(7), MultibodyPlant(0.0), period=PERIOD)
 
 
 def test_bad_position_and_period_are_named(supervised, plant_with):

@@ -95,3 +95,15 @@ def test_desks_are_copied_and_checked(tojo):
     assert tojo.desk.size == [400, 300]
     with pytest.raises(ValueError, match="size"):
         fd.DeskInverse(tojo.arm, dataclasses.replace(desk, size=[0, 1]), np.zeros(4))
+
+
+@pytest.mark.parametrize("points", [[], [1.0], [[1.0, 2.0, 3.0]], None])
+def test_points_of_another_shape_are_named(tojo, points):
+    with pytest.raises(ValueError, match=r"points must be \(…, 2\), got \("):
+        tojo(points)
+
+
+@pytest.mark.parametrize("start", [[0.0], [np.nan] * 4, None, "home"])
+def test_bad_initial_position_is_named(tojo, start):
+    with pytest.raises(ValueError, match="initial_position must be 4 finite numbers"):
+        fd.DeskInverse(tojo.arm, tojo.desk, start)

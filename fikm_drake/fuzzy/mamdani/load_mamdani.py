@@ -4,7 +4,7 @@ from pathlib import Path
 
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.mamdani.mamdani_system import MamdaniSystem
-from fikm_drake.resources import find_model, load_yaml
+from fikm_drake.resources import load_model
 
 
 def load_mamdani(name_or_path: str | Path) -> MamdaniSystem:
@@ -17,9 +17,5 @@ def load_mamdani(name_or_path: str | Path) -> MamdaniSystem:
         FileNotFoundError: there is no such file; the message lists ours.
         ValueError: the file does not describe a Mamdani system; the message says what is wrong.
     """
-    path = find_model(name_or_path, folder="fuzzy", kind="fuzzy system")
-    config = load_yaml(MamdaniConfig, path, kind="fuzzy system")
-    try:
-        return MamdaniSystem(config)
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
+    config = load_model(MamdaniConfig, name_or_path, folder="fuzzy", kind="fuzzy system")
+    return MamdaniSystem(config)

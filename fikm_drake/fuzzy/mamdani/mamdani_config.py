@@ -3,8 +3,8 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 from dataclasses import dataclass, field
 from itertools import product
-from numbers import Integral
 
+from fikm_drake.checks import check_counts
 from fikm_drake.fuzzy.fuzzy_variable import NOT, FuzzyVariable
 
 JOINS = ("and", "or")
@@ -78,8 +78,7 @@ class MamdaniConfig:
                 raise ValueError(
                     f"{option} must be one of {choices}, got {getattr(self, option)!r}"
                 )
-        if not isinstance(self.samples, Integral) or self.samples < 2:
-            raise ValueError(f"samples must be an integer, at least 2, got {self.samples!r}")
+        check_counts(2, samples=self.samples)
         if not self.rules:
             raise ValueError("needs at least one rule")
         for number, rule in enumerate(self.rules, start=1):

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.checks import check_counts
 from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 from fikm_drake.fuzzy.memberships import Triangle
 from fikm_drake.solvers.labvolt.fuzzy_starts import POSTURE, THETA_3, FuzzyStarts
@@ -75,13 +76,12 @@ def calibrate(
         progress: called after each round with the fraction done.
 
     Raises:
-        ValueError: an unknown name, or a count that is not positive.
+        ValueError: an unknown name, a count that is not positive, or a negative seed.
     """
     if name not in FIRST_PEAKS:
         raise ValueError(f"name must be one of {tuple(FIRST_PEAKS)}, got {name!r}")
-    for count, value in (("targets", targets), ("rounds", rounds)):
-        if value < 1:
-            raise ValueError(f"{count} must be positive, got {value}")
+    check_counts(targets=targets, rounds=rounds)
+    check_counts(0, seed=seed)
     make_loss = _tries if name == THETA_3 else _misses
     loss = make_loss(labvolt(), np.ascontiguousarray(random_targets(targets, seed=seed).T))
     config, rng = load_mamdani(name).config, np.random.default_rng(seed)

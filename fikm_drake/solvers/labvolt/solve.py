@@ -1,11 +1,11 @@
 """Inverse kinematics of the LabVolt 5250: the paper's methods and ours."""
 
 from collections.abc import Iterator
-from math import isfinite
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_positive_finite
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt, to_absolute, to_relative
 from fikm_drake.solvers.labvolt.nearest import nearest
@@ -117,9 +117,7 @@ def solve(
 
 def check_tolerance(tolerance: float) -> float:
     """The tolerance [m]; ValueError unless it is positive and finite."""
-    if not (isfinite(tolerance) and tolerance > 0.0):
-        raise ValueError(f"tolerance must be positive and finite [m], got {tolerance!r}")
-    return tolerance
+    return check_positive_finite("tolerance", tolerance, "m")
 
 
 def _chunks(lanes: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_counts
 from fikm_drake.solvers.batch_targets import FARTHEST
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 
@@ -75,7 +76,11 @@ def random_targets(count: int, *, seed: int = 0) -> Array:
 
     Returns:
         (N,2), from the shoulder [m].
+
+    Raises:
+        ValueError: the count or the seed is not an integer of at least 0.
     """
+    check_counts(0, count=count, seed=seed)
     geometry = labvolt()
     rng = np.random.default_rng(seed)
     postures = rng.uniform(geometry.lower, geometry.upper, (count, 3))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.regions.feasibility_data import (
@@ -59,8 +60,8 @@ def generate_feasibility_data(
     """
     source = _checked_source(arm, task, joint)
     data = _started(arm, points, source, file)
-    if chunk is not None and chunk < 1:
-        raise ValueError(f"chunk must be a positive integer, got {chunk!r}")
+    if chunk is not None:
+        check_counts(chunk=chunk)
     missing = np.flatnonzero(data.count < 0)
     size = chunk or CHUNKS[task is None]
     chunks = [missing[start : start + size] for start in range(0, missing.size, size)]

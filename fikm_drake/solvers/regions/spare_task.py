@@ -47,7 +47,7 @@ class SpareTask:
         else:
             plant = arm_or_plant
         check_plant(plant)
-        self.task = Task(task) if isinstance(task, str) else task
+        self.task = task if isinstance(task, Task) else Task(task)
         self._plant = plant
         self._frame = frame_by_name(plant, frame)
         self._world = plant.world_frame()

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from fikm_drake.checks import check_counts, check_number
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.regions.curve import CurvePoint, SelfMotionCurve
@@ -105,10 +106,10 @@ class SelfMotionTracer:
         max_step: float = MAX_STEP,
         seed: int = 0,
     ) -> None:
-        if searches is not None and searches < 1:
-            raise ValueError(f"searches must be a positive integer, got {searches!r}")
-        if not 0.0 < max_step <= 0.5:
-            raise ValueError(f"max_step must be in (0, 0.5] [rad or m], got {max_step!r}")
+        if searches is not None:
+            check_counts(searches=searches)
+        check_counts(0, seed=seed)
+        check_number("max_step", max_step, "in (0, 0.5] [rad or m]", lambda x: 0.0 < x <= 0.5)
         self._task = SpareTask(arm_or_plant, task, frame)
         self._searches = searches or SEARCHES * len(self._task.moving)
         self._max_step, self._seed = max_step, seed

@@ -32,7 +32,7 @@ def extra_rule(*arguments, **options):
         (lambda config: setattr(config, "defuzzification", "mom"), "got 'mom'"),
         (
             lambda config: setattr(config, "samples", 1),
-            "samples must be an integer, at least 2, got 1",
+            "samples must be an integer of at least 2, got 1",
         ),
         (lambda config: setattr(config, "samples", 9.5), "at least 2, got 9.5"),
         (

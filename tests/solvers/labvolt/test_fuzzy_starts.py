@@ -127,8 +127,8 @@ def test_calibration_counts_what_the_solver_misses():
     ("arguments", "message"),
     [
         ({"name": "starts"}, r"name must be one of \('labvolt_theta3', 'labvolt_posture'\)"),
-        ({"targets": 0}, "targets must be positive, got 0"),
-        ({"rounds": -1}, "rounds must be positive, got -1"),
+        ({"targets": 0}, "targets must be an integer of at least 1, got 0"),
+        ({"rounds": -1}, "rounds must be an integer of at least 1, got -1"),
     ],
 )
 def test_bad_arguments(arguments, message):

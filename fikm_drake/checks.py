@@ -1,0 +1,62 @@
+"""Checks of numbers that the constructors of all layers share: ValueErrors that name the bad value."""
+
+from collections.abc import Callable, Iterable
+from math import inf, isfinite, nan
+from numbers import Integral
+
+import numpy as np
+
+
+def check_number(name: str, value: object, what: str, good: Callable[[float], bool]) -> float:
+    """The value as a float; ValueError, saying `what` it must be, unless it is a number and `good`."""
+    if not good(_number(value)):
+        raise ValueError(f"{name} must be {what}, got {value!r}")
+    return _number(value)
+
+
+def check_finite(name: str, value: object) -> float:
+    """The value as a float; ValueError, naming it, unless it is a finite number."""
+    return check_number(name, value, "a finite number", isfinite)
+
+
+def check_positive(name: str, value: object) -> float:
+    """The value, which may be infinite; ValueError, naming it, unless it is positive."""
+    return check_number(name, value, "positive", lambda x: x > 0.0)
+
+
+def check_positive_finite(name: str, value: object, unit: str) -> float:
+    """The value in its unit; ValueError, naming both, unless it is positive and finite."""
+    return check_number(name, value, f"positive and finite [{unit}]", lambda x: 0.0 < x < inf)
+
+
+def check_not_negative(name: str, value: object) -> float:
+    """The value; ValueError, naming it, unless it is finite and not negative."""
+    return check_number(name, value, "finite and not negative", lambda x: 0.0 <= x < inf)
+
+
+def check_below_one(name: str, value: object) -> float:
+    """The value; ValueError, naming it, unless 0 ≤ value < 1."""
+    return check_number(name, value, "in [0, 1)", lambda x: 0.0 <= x < 1.0)
+
+
+def check_finites(name: str, values: object, count: int, unit: str) -> list[float]:
+    """The values as floats; ValueError, naming them, unless they are `count` finite numbers."""
+    numbers = [_number(value) for value in values] if isinstance(values, Iterable) else []
+    if len(numbers) != count or not all(map(isfinite, numbers)):
+        raise ValueError(f"{name} must be {count} finite numbers [{unit}], got {values!r}")
+    return numbers
+
+
+def check_counts(least: int = 1, **counts: object) -> None:
+    """Raise ValueError, naming the count, unless all are integers of at least `least`."""
+    for name, count in counts.items():
+        if isinstance(count, bool) or not isinstance(count, Integral) or count < least:
+            raise ValueError(f"{name} must be an integer of at least {least}, got {count!r}")
+
+
+def _number(value: object) -> float:
+    """The value as a float; NaN if it is no number."""
+    if isinstance(value, (list, tuple, dict)):
+        return nan
+    array = np.asarray(value)
+    return float(array) if array.shape == () and array.dtype.kind in "biuf" else nan

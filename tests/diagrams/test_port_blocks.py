@@ -1,0 +1,86 @@
+"""Every public system's docstring begins with its real ports and describes each of them."""
+
+import inspect
+import re
+
+import pytest
+import yaml
+from pydrake.systems.framework import BasicVector, LeafSystem, System
+
+import fikm_drake as fd
+from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+
+PERIOD = 0.02
+ELSEWHERE = {"FusedFuzzyIk", "FuzzyIkTorqueController"}
+"""Refer to `FuzzyIkController` for ports of the same names."""
+
+
+class Still(LeafSystem):
+    """A differential IK that stays where it is."""
+
+    def __init__(self, size):
+        super().__init__()
+        self.DeclareVectorInputPort("position", size)
+        self.DeclareVectorInputPort("target", 3)
+        self.DeclareVectorOutputPort("commanded_velocity", BasicVector(size), lambda *_: None)
+
+
+def desk_ik():
+    rules = fd.IntegerFuzzyIk()
+    return fd.IntegerFuzzyIkSystem(rules, fd.load_desk("tojo4dof"), period=PERIOD)
+
+
+ALL = fd.FuzzyIkConfig(measured_position=True)
+MAKERS = {
+    "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
+    "DetourPlanner": lambda p: fd.DetourPlanner(p, period=PERIOD),
+    "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
+    "FuzzyIk": lambda p: fd.FuzzyIk(
+        p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True
+    ),
+    "FuzzyIkController": lambda p: fd.FuzzyIkController(p, law=fd.FuzzyMapping(), config=ALL),
+    "FuzzyIkTorqueController": lambda p: fd.FuzzyIkTorqueController(p),
+    "GainSupervisor": lambda p: fd.GainSupervisor(3, 7, period=PERIOD),
+    "IntegerFuzzyIkSystem": lambda p: desk_ik(),
+    "JointIntegrator": lambda p: fd.JointIntegrator(
+        [-1.0], [1.0], period=PERIOD, initial_position=[0.0]
+    ),
+    "JointReference": lambda p: fd.JointReference(
+        1, period=PERIOD, time_step=1e-3, velocity_limits=[1.0], acceleration_limit=1.0
+    ),
+    "LabVoltIk": lambda p: fd.LabVoltIk(period=PERIOD),
+    "LastFinite": lambda p: fd.LastFinite(3, period=PERIOD),
+    "LowPassFilter": lambda p: fd.LowPassFilter(3, period=PERIOD),
+    "RedundancyIk": lambda p: fd.RedundancyIk(
+        fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
+    ),
+    "StatusMonitor": lambda p: fd.StatusMonitor(3, detour=True),
+    "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
+    "TaskError": lambda p: fd.TaskError(p),
+    "VariableGain": lambda p: fd.VariableGain(3),
+}
+
+
+def test_every_public_system_is_here():
+    public = {name: getattr(fd, name) for name in fd.__all__}
+    systems = {n for n, x in public.items() if isinstance(x, type) and issubclass(x, System)}
+    assert systems == set(MAKERS)
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_the_block_lists_the_real_ports_and_the_text_describes_them(name, ports):
+    inputs, outputs = map(
+        list, ports(MAKERS[name](MakeDhArmPlant(fd.load_arm("arm7"), time_step=1e-3)))
+    )
+    text = inspect.getdoc(getattr(fd, name))  # Python 3.13 has it without indentation
+    found = re.search(r"\.\. pydrake_system::\n\n((?: {4}.*\n)+)", text)
+    described = yaml.safe_load(found.group(1))
+    if name == "SupervisedDifferentialIk":  # has the inputs of the system it holds
+        assert inputs == ["target"]
+        described["input_ports"] = inputs
+    assert described == {"name": name, "input_ports": inputs, "output_ports": outputs}
+    rest = text[found.end() :]
+    if name in ELSEWHERE:
+        rest += inspect.getdoc(fd.FuzzyIkController)
+    for port in [*inputs, *outputs]:
+        assert f"**{port}**" in rest or port == "target"
