@@ -33,7 +33,7 @@ from fikm_drake.fuzzy.mamdani import (
     plot_surface,
 )
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
-from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
 from fikm_drake.kinematics.desk import Desk, load_desk
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
@@ -153,6 +153,7 @@ __all__ = [
     "Law",
     "LearnedBounds",
     "LowPassFilter",
+    "MakeDhArmPlant",
     "MakeFuzzyIkController",
     "MamdaniConfig",
     "MamdaniSystem",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -54,9 +54,11 @@ class Anfis:
         *,
         names: Sequence[str] | None = None,
     ) -> None:
-        counts = tuple(memberships)
+        counts = tuple(memberships) if isinstance(memberships, Iterable) else ()
         if not counts or not all(isinstance(m, (int, np.integer)) and m > 0 for m in counts):
-            raise ValueError(f"memberships must be positive integers, got {memberships!r}")
+            raise ValueError(
+                f"memberships must be positive integers, one an input, got {memberships!r}"
+            )
         if kind not in KINDS:
             raise ValueError(f"kind must be one of {tuple(KINDS)}, got {kind!r}")
         if order not in ORDERS:
