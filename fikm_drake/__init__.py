@@ -45,7 +45,8 @@ from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
-from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
+from fikm_drake.laws.gain_supervision import GainSupervision
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.laws.jacobian_transpose import JacobianTranspose
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse

@@ -16,7 +16,7 @@ from pydrake.multibody.inverse_kinematics import (
 
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
-from fikm_drake.laws.gain_supervision import GainSupervisorConfig
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.simulation.simulate import simulate

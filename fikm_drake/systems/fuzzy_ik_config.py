@@ -16,7 +16,7 @@ from fikm_drake.checks import (
 )
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
-from fikm_drake.laws.gain_supervision import GainSupervisorConfig
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 
 

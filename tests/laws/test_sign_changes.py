@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fikm_drake.laws.gain_supervision import GainSupervision, GainSupervisorConfig
+from fikm_drake.laws.gain_supervision import GainSupervision
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.laws.sign_changes import SignChanges
 
 VALUES = st.sampled_from([-2.0, -1.0, -0.05, 0.0, 0.05, 1.0, 2.0, np.nan, np.inf, -np.inf])

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from fikm_drake.experiments.report import Cell, Section
-from fikm_drake.laws.gain_supervision import GainSupervisorConfig
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import load_scenario

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from fikm_drake.experiments.plot_memberships import plot_memberships
 from fikm_drake.experiments.report import Cell, Section, equal
 from fikm_drake.fuzzy import GeneratedRuleBase, generate_rule_base
-from fikm_drake.laws.gain_supervision import GainSupervisorConfig, gain_rules
+from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig, gain_rules
 
 J_MAX = 1.5
 OUTER = (0.0667, 0.1163, 0.2502, 0.4749)
