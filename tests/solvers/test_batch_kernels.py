@@ -127,7 +127,7 @@ def test_tilted_pose_is_out_of_reach_of_a_planar_arm():
 
 @pytest.mark.parametrize("name", model_names())
 def test_far_targets_are_out_of_reach_of_our_models(name):
-    assert out_of_reach(load_arm(name), np.array([[5.0, 0.0, 0.0]]), (1e-3, 0.1)).all()
+    assert out_of_reach(load_arm(name), np.array([[9.0, 0.0, 0.0]]), (1e-3, 0.1)).all()
 
 
 def _rotations(axes, angle):
