@@ -6,6 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.solvers.count_statuses import count_statuses
+
 
 class BatchStatus(IntEnum):
     """How the search for one target ended."""
@@ -42,9 +44,5 @@ class BatchSolution:
         return len(self.q)
 
     def __repr__(self) -> str:
-        counts = ", ".join(
-            f"{np.count_nonzero(self.status == status)} {status.name.lower()}"
-            for status in BatchStatus
-            if (self.status == status).any()
-        )
+        counts = count_statuses(self.status, BatchStatus)
         return f"<BatchSolution: {counts or 'no targets'}>"

@@ -6,6 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.solvers.count_statuses import count_statuses
+
 
 class LabVoltStatus(IntEnum):
     """How one target ended."""
@@ -55,9 +57,5 @@ class LabVoltSolution:
         return np.column_stack([self.yaw, relative])
 
     def __repr__(self) -> str:
-        counts = ", ".join(
-            f"{np.count_nonzero(self.status == status)} {status.name.lower()}"
-            for status in LabVoltStatus
-            if (self.status == status).any()
-        )
+        counts = count_statuses(self.status, LabVoltStatus)
         return f"<LabVoltSolution: {counts or 'no targets'}>"

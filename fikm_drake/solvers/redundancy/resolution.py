@@ -6,6 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.solvers.count_statuses import count_statuses
+
 
 class ResolutionStatus(IntEnum):
     """How the joints of one point were found."""
@@ -45,9 +47,5 @@ class Resolution:
         return len(self.q)
 
     def __repr__(self) -> str:
-        counts = ", ".join(
-            f"{np.count_nonzero(self.status == status)} {status.name.lower()}"
-            for status in ResolutionStatus
-            if (self.status == status).any()
-        )
+        counts = count_statuses(self.status, ResolutionStatus)
         return f"<Resolution: {counts or 'no points'}>"
