@@ -10,6 +10,11 @@ Layers, each of which imports only those below it: `experiments`, `simulation`, 
 radians, times in seconds.
 """
 
+from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
+from fikm_drake.control.gain_supervision import GainSupervision
+from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.status import ControllerStatus
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_torque_controller import (
@@ -20,7 +25,7 @@ from fikm_drake.diagrams.supervised_differential_ik import (
     AddSupervisedDifferentialIk,
     SupervisedDifferentialIk,
 )
-from fikm_drake.fuzzy import RuleBase, TriangularPartition, generate_rule_base
+from fikm_drake.fuzzy import RuleBase, TriangularPartition
 from fikm_drake.fuzzy.anfis import Anfis
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani import (
@@ -34,22 +39,17 @@ from fikm_drake.fuzzy.mamdani import (
 )
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
-from fikm_drake.kinematics.desk import Desk, load_desk
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.planar_3r import Planar3R
-from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
-from fikm_drake.laws.controller_status import ControllerStatus
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
-from fikm_drake.laws.detour import DetourState
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
-from fikm_drake.laws.gain_supervision import GainSupervision
-from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.laws.jacobian_transpose import JacobianTranspose
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
+from fikm_drake.laws.rule_generation import generate_rule_base
 from fikm_drake.resources import ConfigureParser
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
@@ -58,36 +58,36 @@ from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt
-from fikm_drake.solvers.batch_solution import BatchSolution, BatchStatus
-from fikm_drake.solvers.desk_data import DeskData, load_desk_data
-from fikm_drake.solvers.desk_inverse import DeskInverse
-from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.batch.batch_solution import BatchSolution, BatchStatus
+from fikm_drake.solvers.batch.solve_batch import solve_batch
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
 from fikm_drake.solvers.redundancy.train_bounds import train_bounds
 from fikm_drake.solvers.redundancy.train_traced_bounds import train_traced_bounds
-from fikm_drake.solvers.regions.closest_to_mid_range import closest_to_mid_range
-from fikm_drake.solvers.regions.feasibility_data import FeasibilityData
-from fikm_drake.solvers.regions.feasible_intervals import (
+from fikm_drake.solvers.self_motion.closest_to_mid_range import closest_to_mid_range
+from fikm_drake.solvers.self_motion.feasibility_data import FeasibilityData
+from fikm_drake.solvers.self_motion.feasible_intervals import (
     feasible_interval_table,
     feasible_intervals,
 )
-from fikm_drake.solvers.regions.generate_feasibility_data import generate_feasibility_data
-from fikm_drake.solvers.regions.interval_table import FeasibleInterval, IntervalTable
-from fikm_drake.solvers.regions.minimum_norm_path import minimum_norm_path
-from fikm_drake.solvers.regions.self_motion import (
+from fikm_drake.solvers.self_motion.generate_feasibility_data import generate_feasibility_data
+from fikm_drake.solvers.self_motion.interval_table import FeasibleInterval, IntervalTable
+from fikm_drake.solvers.self_motion.minimum_norm_path import minimum_norm_path
+from fikm_drake.solvers.self_motion.self_motion import (
     SelfMotion,
     SelfMotionComponent,
     SelfMotionStatus,
 )
-from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer, trace_self_motion
-from fikm_drake.solvers.solve_batch import solve_batch
-from fikm_drake.solvers.tilted_plane_inverse import TiltedPlaneInverse
+from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer, trace_self_motion
+from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.workplane.tilted_plane_inverse import TiltedPlaneInverse
+from fikm_drake.solvers.workplane.workplane import Workplane, load_workplane
+from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_workplane_data
+from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
 from fikm_drake.systems.command_supervisor import CommandSupervisor
-from fikm_drake.systems.detour_planner import DetourPlanner
+from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
-from fikm_drake.systems.fuzzy_ik import FuzzyIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
@@ -97,6 +97,7 @@ from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.redundancy_ik import RedundancyIk
+from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.variable_gain import VariableGain
@@ -117,11 +118,11 @@ __all__ = [
     "ConfigureParser",
     "ControllerStatus",
     "DampedLeastSquares",
-    "Desk",
-    "DeskData",
-    "DeskInverse",
-    "DetourPlanner",
-    "DetourState",
+    "Workplane",
+    "WorkplaneData",
+    "WorkplaneInverse",
+    "RestartPlanner",
+    "RestartState",
     "DhArm",
     "DhJoint",
     "DhTable",
@@ -129,7 +130,7 @@ __all__ = [
     "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
-    "FuzzyIk",
+    "DifferentialIk",
     "FuzzyIkConfig",
     "FuzzyIkController",
     "FuzzyIkTorqueController",
@@ -188,8 +189,8 @@ __all__ = [
     "generate_rule_base",
     "labvolt",
     "load_arm",
-    "load_desk",
-    "load_desk_data",
+    "load_workplane",
+    "load_workplane_data",
     "load_mamdani",
     "load_scenario",
     "minimum_norm_path",

@@ -19,7 +19,7 @@ from fikm_drake.checks import (
 
 
 def tilted_plane(**options):
-    return fd.TiltedPlaneInverse(fd.load_arm("tojo4dof"), fd.load_desk("tojo4dof"), **options)
+    return fd.TiltedPlaneInverse(fd.load_arm("tojo4dof"), fd.load_workplane("tojo4dof"), **options)
 
 
 NO_NUMBERS = ["1.5", "", None, [], [1.0], np.ones(2), {}, object(), b"1", 1j, nan]
@@ -103,8 +103,8 @@ def test_so_many_finite_numbers():
         ("count", lambda x: fd.labvolt.random_targets(x)),
         ("joint 1: a", lambda x: fd.DhArm(fd.DhTable("arm", joints=[fd.DhJoint(a=x)]))),
         ("heading", lambda x: tilted_plane(heading=(0.0, x))),
-        ("origin", lambda x: fd.Desk(origin=[0.0, 0.0, x]).validate()),
-        ("yaw", lambda x: fd.Desk(yaw=x).validate()),
+        ("origin", lambda x: fd.Workplane(origin=[0.0, 0.0, x]).validate()),
+        ("yaw", lambda x: fd.Workplane(yaw=x).validate()),
         ("hold", lambda x: fd.TrackingScenario(arm="arm7", waypoints=[[0.5, 0.1]], hold=x)),
     ],
 )

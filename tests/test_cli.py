@@ -10,7 +10,7 @@ import pytest
 from fikm_drake import TrackingLog, load_arm
 from fikm_drake.cli import main, models, run
 from fikm_drake.cli.progress import progress
-from fikm_drake.experiments import batch_benchmark
+from fikm_drake.experiments.benchmarks import batch_benchmark
 from fikm_drake.resources import model_names
 
 SCENARIO = "arm: planar2\nwaypoints: [[1.5, 0.0], [1.3, 0.4]]\nduration: 0.3\nhold: 0.1\n"

@@ -5,7 +5,7 @@ import argparse
 from fikm_drake.cli.counts import positive_count
 from fikm_drake.cli.exit_codes import OK
 from fikm_drake.cli.progress import progress
-from fikm_drake.experiments.benchmarks import BENCHMARKS
+from fikm_drake.experiments.benchmarks.registry import BENCHMARKS
 
 
 def add_benchmark(commands: "argparse._SubParsersAction") -> None:

@@ -8,8 +8,8 @@ from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.fuzzy.integer import SHAPES
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
 from fikm_drake.fuzzy.integer.integer_rule_base import CONJUNCTIONS
-from fikm_drake.solvers.desk_data import load_desk_data
-from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.workplane.workplane_data import load_workplane_data
 
 
 def add_export_c(commands: "argparse._SubParsersAction") -> None:
@@ -39,7 +39,7 @@ def _export(options: argparse.Namespace) -> int:
         print(f"fikm-drake: cannot write {options.path}: there is no such folder", file=sys.stderr)
         return FAILED
     ik = IntegerFuzzyIk(
-        load_desk_data(options.data) if options.data else None,
+        load_workplane_data(options.data) if options.data else None,
         labels=tuple(options.labels),
         conjunction=options.conjunction,
         rounding=options.rounding,

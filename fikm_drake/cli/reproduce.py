@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from fikm_drake.cli.exit_codes import FAILED, OK
-from fikm_drake.experiments.papers import select
+from fikm_drake.experiments.reproduce.papers import select
 
 
 def add_reproduce(commands: "argparse._SubParsersAction") -> None:

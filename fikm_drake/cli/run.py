@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fikm_drake.cli.exit_codes import FAILED, INTERRUPTED, OK
 from fikm_drake.cli.progress import progress
-from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.control.status import ControllerStatus
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
 from fikm_drake.simulation.tracking_log import TrackingLog

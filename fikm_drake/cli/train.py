@@ -9,8 +9,8 @@ from pathlib import Path
 from fikm_drake.cli.counts import positive_count
 from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.cli.progress import progress
-from fikm_drake.experiments.anfis.seven_joints import train_freedom
-from fikm_drake.experiments.anfis.static_solution import train_static
+from fikm_drake.experiments.reproduce.anfis.seven_joints import train_freedom
+from fikm_drake.experiments.reproduce.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.kinematics.load_arm import load_arm

@@ -5,12 +5,12 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
 from fikm_drake.laws.law import Law, takes_damping
-from fikm_drake.systems.detour_planner import DetourPlanner
-from fikm_drake.systems.fuzzy_ik import FuzzyIk
+from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
@@ -90,7 +90,7 @@ class FuzzyIkController(Diagram):
         )
         ik = add(
             "fuzzy_ik",
-            FuzzyIk(
+            DifferentialIk(
                 plant,
                 law=law,
                 frame=config.frame,
@@ -111,7 +111,8 @@ class FuzzyIkController(Diagram):
             ),
         )
         status = add(
-            "status_monitor", StatusMonitor(m, tolerance=config.tolerance, detour=config.detour)
+            "status_monitor",
+            StatusMonitor(m, tolerance=config.tolerance, restart_search=config.restart_search),
         )
         self._integrator = integrator
 
@@ -127,13 +128,13 @@ class FuzzyIkController(Diagram):
         if takes_damping(law):
             wire(supervisor, "damping", ik, "damping")
         source: System = ik  # of the joint step
-        if config.detour:
+        if config.restart_search:
             source = add(
-                "detour_planner",
-                DetourPlanner(plant, frame=config.frame, task=task, **config.detour_options()),
+                "restart_planner",
+                RestartPlanner(plant, frame=config.frame, task=task, **config.restart_options()),
             )
             wire(ik, "joint_step", source, "law_step")
-            wire(source, "detour", status, "detour")
+            wire(source, "restart_search", status, "restart_search")
         wire(source, "joint_step", supervisor, "joint_step")
         wire(source, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
@@ -145,11 +146,11 @@ class FuzzyIkController(Diagram):
         desired = error.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
-        if config.detour:
+        if config.restart_search:
             builder.ConnectInput(desired.get_name(), source.GetInputPort(desired.get_name()))
         if config.measured_position:
             builder.ExportInput(error.GetInputPort("position"), "estimated_position")
-        for block in [error, ik, *[source] * config.detour]:
+        for block in [error, ik, *[source] * config.restart_search]:
             if not config.measured_position:
                 wire(integrator, "position", block, "position")
             elif block is not error:

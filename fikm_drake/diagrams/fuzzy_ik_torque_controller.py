@@ -49,9 +49,9 @@ class FuzzyIkTorqueController(Diagram):
 
     The controller's position command, a new one each period, becomes a reference at the plant's rate
     (`JointReference`) by straight lines whose slope is the commanded velocity, inside the plant's
-    velocity limits and `acceleration_limit`. The inner loop cancels the arm's own dynamics and
+    velocity limits and `acceleration_limits`. The inner loop cancels the arm's own dynamics and
     gravity and leaves each joint a critically damped second-order error of `bandwidth`. It is not
-    stable where the actuators are at their effort limits: keep `acceleration_limit` below that.
+    stable where the actuators are at their effort limits: keep `acceleration_limits` below that.
 
     With `config.measured_position` the IK starts from its command plus what the plant's joints are
     off the reference, so that the tool is right though the arm droops, and no wait for the limits of
@@ -65,7 +65,7 @@ class FuzzyIkTorqueController(Diagram):
         config: by default `FuzzyIkConfig()`.
         law: another law in place of the fuzzy mapping that the config describes.
         bandwidth: of the inner loop [rad/s].
-        acceleration_limit: of every joint of the reference [rad/s² or m/s²].
+        acceleration_limits: of every joint of the reference [rad/s² or m/s²].
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -78,7 +78,7 @@ class FuzzyIkTorqueController(Diagram):
         config: FuzzyIkConfig | None = None,
         law: Law | None = None,
         bandwidth: float = BANDWIDTH,
-        acceleration_limit: float = ACCELERATION_LIMIT,
+        acceleration_limits: float = ACCELERATION_LIMIT,
     ) -> None:
         super().__init__()
         config = config or FuzzyIkConfig()
@@ -98,7 +98,7 @@ class FuzzyIkTorqueController(Diagram):
                 period=config.period,
                 time_step=plant.time_step(),
                 velocity_limits=plant.GetVelocityUpperLimits(),
-                acceleration_limit=acceleration_limit,
+                acceleration_limits=acceleration_limits,
             ),
         )
         servo = builder.AddNamedSystem(
@@ -176,7 +176,7 @@ def AddFuzzyIkTorqueController(
     config: FuzzyIkConfig | None = None,
     law: Law | None = None,
     bandwidth: float = BANDWIDTH,
-    acceleration_limit: float = ACCELERATION_LIMIT,
+    acceleration_limits: float = ACCELERATION_LIMIT,
     name: str = "fuzzy_ik_torque_controller",
 ) -> FuzzyIkTorqueController:
     """Add a controller for `plant`, which is in `builder`, connect the two, and return it.
@@ -190,7 +190,7 @@ def AddFuzzyIkTorqueController(
             config=config,
             law=law,
             bandwidth=bandwidth,
-            acceleration_limit=acceleration_limit,
+            acceleration_limits=acceleration_limits,
         ),
     )
     builder.Connect(plant.get_state_output_port(), controller.GetInputPort("estimated_state"))

@@ -6,8 +6,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Gain
 
+from fikm_drake.control.command_supervision import CommandSupervisorConfig
 from fikm_drake.kinematics.plant_frames import check_plant
-from fikm_drake.laws.command_supervision import CommandSupervisorConfig
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 

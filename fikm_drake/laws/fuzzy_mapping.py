@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.checks import check_below_one, check_counts, check_not_negative
-from fikm_drake.fuzzy.generate import generate_rule_base
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
 from fikm_drake.laws.law import as_arrays
+from fikm_drake.laws.rule_generation.generate import generate_rule_base
 
 METHODS = ("indirect", "direct")
 

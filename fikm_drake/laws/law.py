@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 class Law(Protocol):
-    """A pure function (J, dr) to a joint step; `FuzzyIk` and the controllers take any.
+    """A pure function (J, dr) to a joint step; `DifferentialIk` and the controllers take any.
 
     A law with an attribute `takes_damping` that is true takes the supervisor's damping as a third
     argument of `step`.

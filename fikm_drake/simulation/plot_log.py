@@ -8,7 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from fikm_drake.laws.controller_status import ControllerStatus
+from fikm_drake.control.status import ControllerStatus
 from fikm_drake.simulation.tracking_log import TrackingLog
 
 SHADES = {

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.laws.command_supervision import CommandSupervision, CommandSupervisorConfig
-from fikm_drake.laws.steps import all_finite
+from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
+from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 

@@ -15,15 +15,15 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from fikm_drake.laws.controller_status import controller_status
-from fikm_drake.laws.detour import DetourState
-from fikm_drake.laws.gain_supervision import GainSupervision
-from fikm_drake.laws.joint_limits import JointLimits
+from fikm_drake.control.gain_supervision import GainSupervision
+from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.status import controller_status
+from fikm_drake.control.steps import amplify, length, low_pass
 from fikm_drake.laws.law import Law, takes_damping
-from fikm_drake.laws.steps import amplify, length, low_pass
-from fikm_drake.systems.detour_planner import make_detour
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position, set_command
+from fikm_drake.systems.restart_planner import make_restart_search
 from fikm_drake.systems.safe_steps import make_safe_step
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
@@ -89,7 +89,11 @@ class FusedFuzzyIk(LeafSystem):
         self._limits = JointLimits(
             kinematics.lower, kinematics.upper, period=config.period, **config.rates(kinematics)
         )
-        self._detour = make_detour(kinematics, **config.detour_options()) if config.detour else None
+        self._restart = (
+            make_restart_search(kinematics, **config.restart_options())
+            if config.restart_search
+            else None
+        )
         self._config = dataclasses.replace(config)
         n, m = kinematics.num_joints, kinematics.task.size
         self._no_error, self._hold = np.zeros(m), np.zeros(n)
@@ -100,13 +104,13 @@ class FusedFuzzyIk(LeafSystem):
             if config.measured_position
             else None
         )
-        # States: the command, its velocity, the filters, the supervisor's memory, the detour's.
+        # States: the command, its velocity, the filters, the supervisor's memory, the restart_search's.
         position = self.DeclareDiscreteState(kinematics.default_position)
         velocity = self.DeclareDiscreteState(n)
         self.DeclareDiscreteState([config.supervisor.initial_gain, *[0.0] * m])
         self.DeclareDiscreteState(self._supervision.initial_memory())
-        if self._detour:
-            self.DeclareDiscreteState(self._detour.initial_memory())
+        if self._restart:
+            self.DeclareDiscreteState(self._restart.initial_memory())
         self.DeclareStateOutputPort("commanded_position", position)
         self.DeclareStateOutputPort("commanded_velocity", velocity)
         self._declare_output("joint_step", n, lambda cycle, _: cycle.joint_step)
@@ -162,8 +166,8 @@ class FusedFuzzyIk(LeafSystem):
         if valid:
             damping = self._supervision.damping(memory) if self._damped else None
             step = self._safe_step(q, J, filtered_error, damping)
-            if self._detour:
-                step = self._detour.step(states[4], q, step)
+            if self._restart:
+                step = self._restart.step(states[4], q, step)
         return _Cycle(valid, error, size, gain, filtered_gain, filtered_error, step)
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
@@ -179,20 +183,20 @@ class FusedFuzzyIk(LeafSystem):
             limited=self._limits.limits(command, cycle.joint_step, velocity),
             oscillating=self._supervision.oscillating(memory),
             calm=self._supervision.calm(memory),
-            detour=self._detour.state(states[4]) if self._detour else DetourState.NONE,
+            restart_search=self._restart.state(states[4]) if self._restart else RestartState.NONE,
         )
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
-        states = [get(0), get(1), get(2), get(3), *([get(4)] if self._detour else ())]
+        states = [get(0), get(1), get(2), get(3), *([get(4)] if self._restart else ())]
         command, velocity, filters, memory = states[:4]
         cycle = self._cycle(context, states)
-        if self._detour and cycle.valid:
+        if self._restart and cycle.valid:
             q = command if self._estimated is None else self._estimated(context)
-            self._detour.remember(states[4], self._desired(context), q, cycle.error_length)
-        elif self._detour:
-            states[4][:] = self._detour.initial_memory()
+            self._restart.remember(states[4], self._desired(context), q, cycle.error_length)
+        elif self._restart:
+            states[4][:] = self._restart.initial_memory()
         after = self._limits.integrate(command, cycle.joint_step, velocity)
         velocity[:] = (after - command) * self._config.control_rate
         command[:] = after

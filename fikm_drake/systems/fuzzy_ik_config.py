@@ -14,9 +14,9 @@ from fikm_drake.checks import (
     check_positive,
     check_positive_finite,
 )
+from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.fuzzy_mapping import METHODS
-from fikm_drake.laws.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 
 
@@ -43,13 +43,13 @@ class FuzzyIkConfig:
     error_limit: float = 0.2
     """A longer task error counts as this long [m], which bounds the first step to a far target;
     infinite (`.inf` in YAML): no limit, as in the paper."""
-    longest_step: float = 0.5
+    max_joint_step: float = 0.5
     """A longer joint step of a cycle is shortened to this length [rad or m]. The paper's law stays
     far below; `iterations` near a singular posture need it."""
-    side_step: float = 0.01
+    singularity_nudge: float = 0.01
     """Joint motion aside at a dead point, such as a stretched arm whose target lies straight inward, over
     the amplified error [rad/m]; 0: the arm stays there, as in the paper."""
-    limit_zone: float = 0.1
+    limit_margin: float = 0.1
     """Distance from a joint limit within which a joint that moves toward it counts less [rad or m];
     0: the command is only cut off at the limit."""
     posture_gain: float = 0.0
@@ -58,14 +58,15 @@ class FuzzyIkConfig:
     nominal_position: list[float] = field(default_factory=list)
     """The nominal posture (n) [rad or m]; empty: the middle of the joint limits, the plant's default
     for joints without."""
-    velocity_limit: float = inf
+    velocity_limits: float = inf
     """Largest joint speed, if the plant's own limits are not lower [rad/s or m/s]."""
-    acceleration_limit: float = inf
+    acceleration_limits: float = inf
     """Largest joint acceleration, if the plant's own limits are not lower [rad/s² or m/s²]."""
-    detour: bool = False
+    restart_search: bool = False
     """Search for another posture where the law comes to rest before the target: out of dead points and
-    local minima at joint limits; see `laws.detour`. The arm may then move far, and not along the task."""
-    detour_speed: float = 1.5
+    local minima at joint limits; see `control.restart_search`. The arm may then move
+    far, and not along the task."""
+    restart_speed: float = 1.5
     """Of the fastest joint on the way to that posture [rad/s or m/s]."""
     tolerance: float = 1e-3
     """A task error up to this counts as converged [m]."""
@@ -92,7 +93,12 @@ class FuzzyIkConfig:
         """Xu & Nechyba's controller, without what calms and bounds ours; `changes` by field name."""
         changes.setdefault("supervisor", GainSupervisorConfig(calming=1.0))
         return cls(
-            **{"error_limit": inf, "longest_step": inf, "limit_zone": 0.0, "side_step": 0.0}
+            **{
+                "error_limit": inf,
+                "max_joint_step": inf,
+                "limit_margin": 0.0,
+                "singularity_nudge": 0.0,
+            }
             | changes
         )
 
@@ -109,7 +115,7 @@ class FuzzyIkConfig:
         plain: dict[str, Any] = {
             "gain_smoothing": 0.0,
             "error_smoothing": 0.0,
-            "side_step": 0.0,
+            "singularity_nudge": 0.0,
             "supervisor": GainSupervisorConfig(
                 gains=[1.0] * 3, oscillating_gains=[1.0] * 3, calming=1.0
             ),
@@ -130,30 +136,30 @@ class FuzzyIkConfig:
         return Task(self.task, self.characteristic_length)
 
     def step_options(self) -> dict[str, Any]:
-        """Options of `FuzzyIk` by name."""
+        """Options of `DifferentialIk` by name."""
         return {
-            "longest_step": self.longest_step,
-            "limit_zone": self.limit_zone,
+            "max_joint_step": self.max_joint_step,
+            "limit_margin": self.limit_margin,
             "posture_gain": self.posture_gain * self.period,
             "nominal_position": self.nominal_position,
-            "side_step": self.side_step,
+            "singularity_nudge": self.singularity_nudge,
         }
 
     def rates(self, kinematics: ToolKinematics) -> dict[str, Any]:
         """Limits of speed and acceleration, the plant's too, as options of `JointIntegrator`."""
         return {
-            "velocity_limit": np.minimum(kinematics.velocity_limit, self.velocity_limit),
-            "acceleration_limit": np.minimum(
-                kinematics.acceleration_limit, self.acceleration_limit
+            "velocity_limits": np.minimum(kinematics.velocity_limits, self.velocity_limits),
+            "acceleration_limits": np.minimum(
+                kinematics.acceleration_limits, self.acceleration_limits
             ),
         }
 
-    def detour_options(self) -> dict[str, float]:
-        """Options of `DetourPlanner` by name."""
+    def restart_options(self) -> dict[str, float]:
+        """Options of `RestartPlanner` by name."""
         return {
             "period": self.period,
             "tolerance": self.tolerance,
-            "speed": self.detour_speed,
+            "speed": self.restart_speed,
         }
 
     def validate(self) -> None:
@@ -162,11 +168,11 @@ class FuzzyIkConfig:
             raise ValueError(f"method must be one of {METHODS}, got {self.method!r}")
         self.make_task()
         check_positive_finite("control_rate", self.control_rate, "Hz")
-        for name in ("error_limit", "tolerance", "longest_step"):
+        for name in ("error_limit", "tolerance", "max_joint_step"):
             check_positive(name, getattr(self, name))
-        for name in ("velocity_limit", "acceleration_limit", "detour_speed"):
+        for name in ("velocity_limits", "acceleration_limits", "restart_speed"):
             check_positive(name, getattr(self, name))
-        for name in ("side_step", "limit_zone"):
+        for name in ("singularity_nudge", "limit_margin"):
             check_not_negative(name, getattr(self, name))
         check_number(
             "posture_gain",

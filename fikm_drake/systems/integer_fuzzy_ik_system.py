@@ -1,4 +1,4 @@
-"""The block of fuzzy inverse kinematics in integers: a position on a desk in, joint positions out."""
+"""The block of fuzzy inverse kinematics in integers: a position on a workplane in, joint positions out."""
 
 import copy
 from enum import IntEnum
@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from fikm_drake.checks import check_not_negative
-from fikm_drake.kinematics.desk import Desk
-from fikm_drake.laws.steps import all_finite
-from fikm_drake.solvers.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.control.steps import all_finite
+from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
+from fikm_drake.solvers.workplane.workplane import Workplane
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
@@ -27,7 +27,7 @@ class IntegerFuzzyIkStatus(IntEnum):
     INSIDE = 1
     """The command is of the desired position, rounded to whole millimetres."""
     OUTSIDE = 2
-    """The position is beside the rules' rectangle or off the desk: the command is of the nearest point."""
+    """Beside the rules' rectangle or off the workplane: the command is of the nearest point."""
 
 
 class IntegerFuzzyIkSystem(LeafSystem):
@@ -48,10 +48,10 @@ class IntegerFuzzyIkSystem(LeafSystem):
     - **status** (1): an `IntegerFuzzyIkStatus` of that command, from the state.
 
     Args:
-        ik: the inverse kinematics, in the coordinates of `desk`.
-        desk: where the desk lies in the world; it is copied.
+        ik: the inverse kinematics, in the coordinates of `workplane`.
+        workplane: where the workplane lies in the world; it is copied.
         period: of the samples [s].
-        height_tolerance: farther than this over or under the desk counts as outside [m].
+        height_tolerance: farther than this over or under the workplane counts as outside [m].
 
     Raises:
         ValueError: naming the bad value.
@@ -60,15 +60,15 @@ class IntegerFuzzyIkSystem(LeafSystem):
     def __init__(
         self,
         ik: IntegerFuzzyIk,
-        desk: Desk,
+        workplane: Workplane,
         *,
         period: float = 0.02,
         height_tolerance: float = 1e-3,
     ) -> None:
         super().__init__()
-        desk.validate()
+        workplane.validate()
         self._ik = ik
-        self._from_world = copy.deepcopy(desk).from_world
+        self._from_world = copy.deepcopy(workplane).from_world
         self._height_tolerance = 1000 * check_not_negative("height_tolerance", height_tolerance)
         x, y = ik.rules.first, ik.rules.second
         middle, _ = ik.solve((x.low + x.high) // 2, (y.low + y.high) // 2)

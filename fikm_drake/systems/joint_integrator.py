@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.laws.joint_limits import JointLimits
-from fikm_drake.laws.steps import all_finite
+from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
@@ -40,8 +40,8 @@ class JointIntegrator(LeafSystem):
         upper: upper limits (n,) [rad or m]; inf for none.
         period: of the control cycle [s].
         initial_position: (n,) [rad or m]; `SetPositions` changes it in a Context.
-        velocity_limit: largest speed, one for all joints or (n,) [rad/s or m/s].
-        acceleration_limit: largest acceleration, one for all joints or (n,) [rad/s² or m/s²]; the
+        velocity_limits: largest speed, one for all joints or (n,) [rad/s or m/s].
+        acceleration_limits: largest acceleration, one for all joints or (n,) [rad/s² or m/s²]; the
             command then brakes before the position limits and before its own end.
 
     Raises:
@@ -55,8 +55,8 @@ class JointIntegrator(LeafSystem):
         *,
         period: float,
         initial_position: ArrayLike,
-        velocity_limit: ArrayLike = inf,
-        acceleration_limit: ArrayLike = inf,
+        velocity_limits: ArrayLike = inf,
+        acceleration_limits: ArrayLike = inf,
     ) -> None:
         super().__init__()
         self._lower, self._upper = check_limits(lower, upper)
@@ -67,8 +67,8 @@ class JointIntegrator(LeafSystem):
             self._lower,
             self._upper,
             period=period,
-            velocity_limit=velocity_limit,
-            acceleration_limit=acceleration_limit,
+            velocity_limits=velocity_limits,
+            acceleration_limits=acceleration_limits,
         )
         step = self.DeclareVectorInputPort("joint_step", n)
         self._step = step.Eval

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from fikm_drake.checks import check_counts, check_positive, check_positive_finite
-from fikm_drake.laws.follow import follow
-from fikm_drake.laws.steps import all_finite
+from fikm_drake.control.follow import follow
+from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
@@ -41,7 +41,7 @@ class JointReference(LeafSystem):
         period: of the position command [s].
         time_step: of the inner loop [s].
         velocity_limits: (n,) [rad/s or m/s]; inf for none.
-        acceleration_limit: of every joint, finite [rad/s² or m/s²].
+        acceleration_limits: of every joint, finite [rad/s² or m/s²].
 
     Raises:
         ValueError: naming the bad value.
@@ -54,7 +54,7 @@ class JointReference(LeafSystem):
         period: float,
         time_step: float,
         velocity_limits: ArrayLike,
-        acceleration_limit: float,
+        acceleration_limits: float,
     ) -> None:
         super().__init__()
         check_counts(num_joints=num_joints)
@@ -67,10 +67,10 @@ class JointReference(LeafSystem):
             raise ValueError(
                 f"velocity_limits must be {num_joints} positive numbers, got {speed.tolist()}"
             )
-        check_positive_finite("acceleration_limit", acceleration_limit, "rad/s² or m/s²")
+        check_positive_finite("acceleration_limits", acceleration_limits, "rad/s² or m/s²")
         self._n = num_joints
         self._follow = partial(
-            follow, step=self._time_step, speed=speed, acceleration=float(acceleration_limit)
+            follow, step=self._time_step, speed=speed, acceleration=float(acceleration_limits)
         )
         position = self.DeclareVectorInputPort("commanded_position", num_joints)
         velocity = self.DeclareVectorInputPort("commanded_velocity", num_joints)

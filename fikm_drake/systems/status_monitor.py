@@ -5,9 +5,9 @@ from math import isfinite
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.checks import check_counts, check_positive
-from fikm_drake.laws.controller_status import controller_status
-from fikm_drake.laws.detour import DetourState
-from fikm_drake.laws.steps import length
+from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.status import controller_status
+from fikm_drake.control.steps import length
 
 
 class StatusMonitor(LeafSystem):
@@ -22,34 +22,40 @@ class StatusMonitor(LeafSystem):
         - limited
         - oscillating
         - calm
-        - detour
+        - restart_search
         output_ports:
         - status
 
     - **task_error** (m) [m].
     - **valid**, **limited**, **oscillating** (1 each): 0 or 1, from the blocks' ports of these names.
     - **calm** (1) [-]: of `GainSupervisor`.
-    - **detour** (1): of `DetourPlanner`; the port exists with `detour` only.
+    - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
 
     Args:
         size: m.
         tolerance: an error of this length counts as converged [m].
-        detour: whether there is the port `detour`.
+        restart_search: whether there is the port `restart_search`.
 
     Raises:
         ValueError: naming the bad value.
     """
 
-    def __init__(self, size: int, *, tolerance: float = 1e-3, detour: bool = False) -> None:
+    def __init__(self, size: int, *, tolerance: float = 1e-3, restart_search: bool = False) -> None:
         super().__init__()
         check_counts(size=size)
         self._tolerance = check_positive("tolerance", tolerance)
         self._error = self.DeclareVectorInputPort("task_error", size)
         self._flags = [
             self.DeclareVectorInputPort(name, 1)
-            for name in ("valid", "limited", "oscillating", "calm", *["detour"] * detour)
+            for name in (
+                "valid",
+                "limited",
+                "oscillating",
+                "calm",
+                *["restart_search"] * restart_search,
+            )
         ]
         self.DeclareVectorOutputPort(
             "status",
@@ -69,5 +75,5 @@ class StatusMonitor(LeafSystem):
             limited=bool(limited),
             oscillating=bool(oscillating),
             calm=calm,
-            detour=flags[4] if flags[4:] else DetourState.NONE,
+            restart_search=flags[4] if flags[4:] else RestartState.NONE,
         )

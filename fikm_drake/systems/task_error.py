@@ -4,8 +4,8 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task import Task
-from fikm_drake.laws.steps import all_finite
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 

@@ -9,10 +9,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import InputPort, LeafSystem
 
+from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
-from fikm_drake.laws.steps import all_finite
 
 Array = NDArray[np.float64]
 VELOCITY = JacobianWrtVariable.kV
@@ -63,13 +63,13 @@ class ToolKinematics:
         return np.array(self.plant.GetPositionUpperLimits())
 
     @property
-    def velocity_limit(self) -> Array:
+    def velocity_limits(self) -> Array:
         """Largest speed (n,) [rad/s or m/s], inf where there is no limit."""
         plant = self.plant
         return np.minimum(plant.GetVelocityUpperLimits(), -plant.GetVelocityLowerLimits())
 
     @property
-    def acceleration_limit(self) -> Array:
+    def acceleration_limits(self) -> Array:
         """Largest acceleration (n,) [rad/s² or m/s²], inf where there is no limit."""
         plant = self.plant
         return np.minimum(plant.GetAccelerationUpperLimits(), -plant.GetAccelerationLowerLimits())

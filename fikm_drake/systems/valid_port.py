@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, OutputPort
 
-from fikm_drake.laws.steps import all_finite
+from fikm_drake.control.steps import all_finite
 
 
 def is_finite(value: NDArray[np.float64] | RigidTransform) -> bool:

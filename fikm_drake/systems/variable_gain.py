@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.checks import check_counts, check_positive
-from fikm_drake.laws.steps import all_finite, amplify, length
+from fikm_drake.control.steps import all_finite, amplify, length
 from fikm_drake.systems.valid_port import declare_valid_port
 
 

@@ -46,7 +46,7 @@ def test_out_of_reach_the_default_controller_rests_at_the_nearest_point(
     error = lengths(series["task_error"])[-1]
     assert nearest - 1e-9 <= error <= nearest + (1e-3 if len(target) == 2 else 3e-3)
     assert np.abs(series["joint_step"][300:]).max() <= 1e-4
-    assert lengths(series["joint_step"]).max() <= config.longest_step
+    assert lengths(series["joint_step"]).max() <= config.max_joint_step
 
 
 def test_without_the_calm_it_goes_on_moving(plant_with, run, fused):
@@ -125,17 +125,17 @@ def test_a_target_that_comes_back_slowly_wakes_the_arm(near, speed, plant_with, 
 
 
 @pytest.mark.parametrize("speed", [0.25, np.inf])
-@pytest.mark.parametrize("detour", [False, True])
+@pytest.mark.parametrize("restart_search", [False, True])
 @pytest.mark.parametrize(
     ("arm", "far", "near"),
     [("planar4", (0.0, 2.0), (0.0, 0.9)), ("arm7", (2.0, 0.0, 0.0), (0.7, 0.0, 0.0))],
 )
 def test_a_target_that_comes_straight_back_wakes_the_arm(
-    arm, far, near, detour, speed, plant_with, run
+    arm, far, near, restart_search, speed, plant_with, run
 ):
     """Along the stretched arm, as the paper's controller can, which never rests."""
     task = "xy" if len(far) == 2 else "position"
-    config = fd.FuzzyIkConfig(fused=True, task=task, detour=detour)
+    config = fd.FuzzyIkConfig(fused=True, task=task, restart_search=restart_search)
     assert come_back(run, plant_with(arm), config, far, near, speed) < 1e-3
 
 

@@ -57,8 +57,8 @@ FUSED_RUNS = [
     ("large_step_4", {}),
     ("panda_square", {}),
     ("panda_square", {"measured_position": True}),
-    ("panda_square", {"velocity_limit": 0.4, "acceleration_limit": 3.0, "posture_gain": 1.0}),
-    ("large_step_2", {"iterations": 2, "detour": True}),
+    ("panda_square", {"velocity_limits": 0.4, "acceleration_limits": 3.0, "posture_gain": 1.0}),
+    ("large_step_2", {"iterations": 2, "restart_search": True}),
 ]
 
 
@@ -93,11 +93,11 @@ def test_fused_equals_the_diagram(name, changes, lost, plant_with, scenario_inpu
 
 
 EVERYTHING = {
-    "detour": True,
+    "restart_search": True,
     "posture_gain": 0.5,
-    "limit_zone": 0.2,
-    "velocity_limit": 2.0,
-    "acceleration_limit": 20.0,
+    "limit_margin": 0.2,
+    "velocity_limits": 2.0,
+    "acceleration_limits": 20.0,
     "iterations": 3,
     "damping": 0.05,
     "row_floor": 0.02,
@@ -118,7 +118,7 @@ def test_fused_equals_the_diagram_with_every_option(arm, measured, plant_with, r
     ]
     assert_equal_series(*runs)
     seen = {Status(int(status)) for status in runs[0]["status"].ravel()}
-    assert seen >= {Status.DETOUR, Status.LIMITED, Status.CALMED, Status.INVALID_INPUT}
+    assert seen >= {Status.RESTART_SEARCH, Status.LIMITED, Status.CALMED, Status.INVALID_INPUT}
 
 
 def test_fused_equals_the_diagram_at_joint_limits(plant_with, run):

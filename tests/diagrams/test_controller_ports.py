@@ -25,7 +25,9 @@ Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])
 @pytest.mark.parametrize("measured", [False, True])
 @pytest.mark.parametrize("task", ["position", "xz", "y"])
 def test_ports(plant, ports, fused, measured, task):
-    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, task=task, detour=measured)
+    config = fd.FuzzyIkConfig(
+        fused=fused, measured_position=measured, task=task, restart_search=measured
+    )
     builder = DiagramBuilder()
     controller = fd.AddFuzzyIkController(builder, plant, config=config)
     m = {"position": 3, "xz": 2, "y": 1}[task]
@@ -36,10 +38,12 @@ def test_ports(plant, ports, fused, measured, task):
 
 
 @pytest.mark.parametrize("measured", [False, True])
-@pytest.mark.parametrize("detour", [False, True])
-def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, detour):
+@pytest.mark.parametrize("restart_search", [False, True])
+def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, restart_search):
     """The command comes from the state, so any loop may be closed around the controller."""
-    config = fd.FuzzyIkConfig(fused=fused, measured_position=measured, detour=detour)
+    config = fd.FuzzyIkConfig(
+        fused=fused, measured_position=measured, restart_search=restart_search
+    )
     controller = fd.MakeFuzzyIkController(plant, config=config)
     for i in range(controller.num_input_ports()):
         through = {name for j, name in enumerate(OUTPUTS) if controller.HasDirectFeedthrough(i, j)}
@@ -54,15 +58,15 @@ def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, detour
         fd.FuzzyIkConfig(fused=True, measured_position=True, error_limit=np.inf, tolerance=1e-4),
         fd.FuzzyIkConfig(gain_smoothing=0.0, error_smoothing=0.1, zero_threshold=0.0),
         fd.FuzzyIkConfig(
-            detour=True,
-            detour_speed=3.0,
-            side_step=0.0,
-            limit_zone=0.0,
+            restart_search=True,
+            restart_speed=3.0,
+            singularity_nudge=0.0,
+            limit_margin=0.0,
             posture_gain=2.0,
             nominal_position=[0.1] * 7,
-            velocity_limit=1.5,
-            acceleration_limit=9.0,
-            longest_step=np.inf,
+            velocity_limits=1.5,
+            acceleration_limits=9.0,
+            max_joint_step=np.inf,
             supervisor=fd.GainSupervisorConfig(
                 calming=0.9,
                 recovery=1.5,
@@ -102,9 +106,9 @@ def test_partial_yaml_keeps_the_defaults():
 def test_the_config_of_the_paper():
     """Without what calms and bounds ours; what is asked for besides is kept."""
     config = fd.FuzzyIkConfig.as_in_paper(fused=True, error_limit=0.2)
-    assert (config.longest_step, config.limit_zone, config.error_limit) == (np.inf, 0.0, 0.2)
+    assert (config.max_joint_step, config.limit_margin, config.error_limit) == (np.inf, 0.0, 0.2)
     assert config.supervisor == fd.GainSupervisorConfig(calming=1.0)
-    assert config.fused and not config.detour and config.side_step == 0.0
+    assert config.fused and not config.restart_search and config.singularity_nudge == 0.0
     own = fd.GainSupervisorConfig(window=7)
     assert fd.FuzzyIkConfig.as_in_paper(supervisor=own).supervisor is own
 
@@ -134,13 +138,13 @@ def test_two_configs_share_nothing():
         ({"error_smoothing": -0.1}, ["error_smoothing", "-0.1", "[0, 1)"]),
         ({"error_smoothing": np.nan}, ["error_smoothing", "nan"]),
         ({"zero_threshold": 2.0}, ["zero_threshold", "2.0", "[0, 1)"]),
-        ({"longest_step": 0.0}, ["longest_step", "0.0", "positive"]),
-        ({"longest_step": np.nan}, ["longest_step", "nan"]),
-        ({"side_step": -0.1}, ["side_step", "-0.1", "negative"]),
-        ({"side_step": np.nan}, ["side_step", "nan", "finite"]),
-        ({"limit_zone": -0.1}, ["limit_zone", "-0.1", "negative"]),
-        ({"limit_zone": np.inf}, ["limit_zone", "inf", "finite"]),
-        ({"limit_zone": np.nan}, ["limit_zone", "nan"]),
+        ({"max_joint_step": 0.0}, ["max_joint_step", "0.0", "positive"]),
+        ({"max_joint_step": np.nan}, ["max_joint_step", "nan"]),
+        ({"singularity_nudge": -0.1}, ["singularity_nudge", "-0.1", "negative"]),
+        ({"singularity_nudge": np.nan}, ["singularity_nudge", "nan", "finite"]),
+        ({"limit_margin": -0.1}, ["limit_margin", "-0.1", "negative"]),
+        ({"limit_margin": np.inf}, ["limit_margin", "inf", "finite"]),
+        ({"limit_margin": np.nan}, ["limit_margin", "nan"]),
         ({"posture_gain": -1.0}, ["posture_gain", "-1.0"]),
         ({"posture_gain": 50.5}, ["posture_gain", "50.5", "control_rate = 50"]),
         ({"posture_gain": np.nan}, ["posture_gain", "nan"]),
@@ -152,12 +156,12 @@ def test_two_configs_share_nothing():
             {"posture_gain": 1.0, "nominal_position": [np.nan] * 7},
             ["nominal_position", "nan", "finite"],
         ),
-        ({"velocity_limit": 0.0}, ["velocity_limit", "0.0", "positive"]),
-        ({"velocity_limit": np.nan}, ["velocity_limit", "nan"]),
-        ({"acceleration_limit": -1.0}, ["acceleration_limit", "-1.0", "positive"]),
-        ({"acceleration_limit": np.nan}, ["acceleration_limit", "nan"]),
-        ({"detour": True, "detour_speed": 0.0}, ["detour_speed", "0.0", "positive"]),
-        ({"detour_speed": np.nan}, ["detour_speed", "nan"]),
+        ({"velocity_limits": 0.0}, ["velocity_limits", "0.0", "positive"]),
+        ({"velocity_limits": np.nan}, ["velocity_limits", "nan"]),
+        ({"acceleration_limits": -1.0}, ["acceleration_limits", "-1.0", "positive"]),
+        ({"acceleration_limits": np.nan}, ["acceleration_limits", "nan"]),
+        ({"restart_search": True, "restart_speed": 0.0}, ["restart_speed", "0.0", "positive"]),
+        ({"restart_speed": np.nan}, ["restart_speed", "nan"]),
         ({"supervisor": fd.GainSupervisorConfig(window=0)}, ["window", "0"]),
         ({"supervisor": fd.GainSupervisorConfig(calming=0.0)}, ["calming", "0.0", "(0, 1]"]),
         ({"supervisor": fd.GainSupervisorConfig(recovery=1.0)}, ["recovery", "1.0", "above 1"]),

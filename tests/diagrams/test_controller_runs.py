@@ -64,11 +64,11 @@ def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
         desired[-3:] = np.nan
         for status in run(plant_with(arm), config, start, desired)["status"].ravel():
             seen.setdefault(Status(int(status)), name)
-    for detour in (False, True):
-        config = fd.FuzzyIkConfig(fused=fused, detour=detour)
+    for restart_search in (False, True):
+        config = fd.FuzzyIkConfig(fused=fused, restart_search=restart_search)
         series = run(plant_with("arm7"), config, Q0, np.tile([2.0, 0.0, 0.0], (200, 1)))
         for status in series["status"].ravel():
-            seen.setdefault(Status(int(status)), f"out of reach, detour {detour}")
+            seen.setdefault(Status(int(status)), f"out of reach, restart search {restart_search}")
     start = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
     series = run(plant_with("panda"), fd.FuzzyIkConfig(fused=fused), start, [[-0.6, 0.0, 0.1]] * 9)
     seen.setdefault(Status(int(series["status"][-1, 0])), "panda")

@@ -25,28 +25,28 @@ class Still(LeafSystem):
         self.DeclareVectorOutputPort("commanded_velocity", BasicVector(size), lambda *_: None)
 
 
-def desk_ik():
+def workplane_ik():
     rules = fd.IntegerFuzzyIk()
-    return fd.IntegerFuzzyIkSystem(rules, fd.load_desk("tojo4dof"), period=PERIOD)
+    return fd.IntegerFuzzyIkSystem(rules, fd.load_workplane("tojo4dof"), period=PERIOD)
 
 
 ALL = fd.FuzzyIkConfig(measured_position=True)
 MAKERS = {
     "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
-    "DetourPlanner": lambda p: fd.DetourPlanner(p, period=PERIOD),
+    "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
     "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
-    "FuzzyIk": lambda p: fd.FuzzyIk(
+    "DifferentialIk": lambda p: fd.DifferentialIk(
         p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True
     ),
     "FuzzyIkController": lambda p: fd.FuzzyIkController(p, law=fd.FuzzyMapping(), config=ALL),
     "FuzzyIkTorqueController": lambda p: fd.FuzzyIkTorqueController(p),
     "GainSupervisor": lambda p: fd.GainSupervisor(3, 7, period=PERIOD),
-    "IntegerFuzzyIkSystem": lambda p: desk_ik(),
+    "IntegerFuzzyIkSystem": lambda p: workplane_ik(),
     "JointIntegrator": lambda p: fd.JointIntegrator(
         [-1.0], [1.0], period=PERIOD, initial_position=[0.0]
     ),
     "JointReference": lambda p: fd.JointReference(
-        1, period=PERIOD, time_step=1e-3, velocity_limits=[1.0], acceleration_limit=1.0
+        1, period=PERIOD, time_step=1e-3, velocity_limits=[1.0], acceleration_limits=1.0
     ),
     "LabVoltIk": lambda p: fd.LabVoltIk(period=PERIOD),
     "LastFinite": lambda p: fd.LastFinite(3, period=PERIOD),
@@ -54,7 +54,7 @@ MAKERS = {
     "RedundancyIk": lambda p: fd.RedundancyIk(
         fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
     ),
-    "StatusMonitor": lambda p: fd.StatusMonitor(3, detour=True),
+    "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True),
     "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
     "TaskError": lambda p: fd.TaskError(p),
     "VariableGain": lambda p: fd.VariableGain(3),

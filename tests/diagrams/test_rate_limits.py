@@ -23,7 +23,7 @@ def test_no_cycle_moves_further_than_the_longest_step(calming, plant_with, run, 
     config = fd.FuzzyIkConfig(iterations=2, fused=fused, task="xy", supervisor=supervisor)
     moved = {}
     for longest in (0.5, np.inf):
-        each = replace(config, longest_step=longest)
+        each = replace(config, max_joint_step=longest)
         desired = np.tile((0.0, 2.5), (100, 1))
         q = run(plant_with("planar2"), each, np.zeros(2), desired, only=WANTED)
         moved[longest] = np.linalg.norm(np.diff(q["commanded_position"], axis=0), axis=1).max()
@@ -35,7 +35,7 @@ def test_no_cycle_moves_further_than_the_longest_step(calming, plant_with, run, 
 def test_the_longest_step_does_not_touch_the_papers_runs(name, scenario_inputs, plant_with, run):
     runs = []
     for longest in (0.5, np.inf):
-        arm, config, start, desired = scenario_inputs(name, fused=True, longest_step=longest)
+        arm, config, start, desired = scenario_inputs(name, fused=True, max_joint_step=longest)
         runs.append(run(plant_with(arm), config, start, desired, only=WANTED))
     np.testing.assert_array_equal(*(series["commanded_position"] for series in runs))
 
@@ -63,7 +63,9 @@ def largest(series):
     ("velocity", "acceleration"), [(0.8, np.inf), (np.inf, 4.0), (0.8, 4.0), (3.0, 30.0)]
 )
 def test_a_fast_target_is_chased_within_the_limits(velocity, acceleration, plant, run, fused):
-    config = fd.FuzzyIkConfig(fused=fused, velocity_limit=velocity, acceleration_limit=acceleration)
+    config = fd.FuzzyIkConfig(
+        fused=fused, velocity_limits=velocity, acceleration_limits=acceleration
+    )
     free = run(plant, fd.FuzzyIkConfig(fused=fused), Q0, chase(), only=WANTED)
     assert (largest(free) > np.array([[velocity], [acceleration]])).any()
     series = run(plant, config, Q0, chase(), only=WANTED)
@@ -74,14 +76,16 @@ def test_a_fast_target_is_chased_within_the_limits(velocity, acceleration, plant
     assert series["status"][-1] == Status.CONVERGED
 
 
-@pytest.mark.parametrize("options", [{}, {"iterations": 3, "damping": 0.05}, {"detour": True}])
+@pytest.mark.parametrize(
+    "options", [{}, {"iterations": 3, "damping": 0.05}, {"restart_search": True}]
+)
 def test_the_arm_brakes_before_its_joint_limits(options, plant_with, run):
     """A panda, driven round behind itself, where joints reach their limits."""
     arm = fd.load_arm("panda")
     angle = np.linspace(0, 2 * np.pi, 400)[:, None]
     desired = np.array([0.2, 0.0, 0.5]) + 0.9 * np.hstack([np.cos(angle), np.sin(angle), 0 * angle])
     config = fd.FuzzyIkConfig(
-        fused=True, velocity_limit=1.0, acceleration_limit=5.0, limit_zone=0.0, **options
+        fused=True, velocity_limits=1.0, acceleration_limits=5.0, limit_margin=0.0, **options
     )
     start = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
     series = run(plant_with("panda"), config, start, desired, only=WANTED)
@@ -113,7 +117,7 @@ def test_the_plant_s_own_limits_count(run, fused):
     speeds, accelerations = largest(series)
     assert (speeds <= velocity + 1e-9).all() and (accelerations <= acceleration + 1e-6).all()
     assert (accelerations > 0.9 * acceleration).any()
-    config = fd.FuzzyIkConfig(fused=fused, velocity_limit=0.7, acceleration_limit=4.0)
+    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=0.7, acceleration_limits=4.0)
     speeds, accelerations = largest(run(plant, config, Q0, chase(), only=WANTED))
     assert (speeds <= np.minimum(velocity, 0.7) + 1e-9).all()
     assert (accelerations <= np.minimum(acceleration, 4.0) + 1e-6).all()
@@ -121,7 +125,7 @@ def test_the_plant_s_own_limits_count(run, fused):
 
 def test_a_lost_target_is_no_reason_to_break_them(plant, run, fused):
     """The arm brakes, stands, and goes on; the position is held once it stands."""
-    config = fd.FuzzyIkConfig(fused=fused, velocity_limit=0.8, acceleration_limit=4.0)
+    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=0.8, acceleration_limits=4.0)
     series = run(plant, config, Q0, chase(lost=(60, 100)), only=WANTED)
     speeds, accelerations = largest(series)
     assert speeds.max() <= 0.8 + 1e-9 and accelerations.max() <= 4.0 + 1e-6
@@ -138,7 +142,7 @@ def test_a_target_that_jumps_is_reached_as_without_a_limit(acceleration, step, p
     tool = fd.load_arm("arm7").forward_kinematics(Q0)[:3, 3]
     desired, most = np.tile(tool + step, (250, 1)), {}
     for limit in (np.inf, acceleration):
-        config = fd.FuzzyIkConfig(fused=True, acceleration_limit=limit)
+        config = fd.FuzzyIkConfig(fused=True, acceleration_limits=limit)
         series = run(plant, config, Q0, desired, only=WANTED)
         most[limit] = (1 - series["task_error"] @ step / np.dot(step, step)).max()
         assert series["status"][-1] == Status.CONVERGED
@@ -147,7 +151,7 @@ def test_a_target_that_jumps_is_reached_as_without_a_limit(acceleration, step, p
 
 def test_set_positions_starts_from_rest(plant, fused):
     controller = fd.MakeFuzzyIkController(
-        plant, config=fd.FuzzyIkConfig(fused=fused, acceleration_limit=4.0)
+        plant, config=fd.FuzzyIkConfig(fused=fused, acceleration_limits=4.0)
     )
     context = controller.CreateDefaultContext()
     controller.GetInputPort("desired_position").FixValue(context, CENTER)

@@ -9,8 +9,11 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
 
 import fikm_drake as fd
-from fikm_drake.experiments.drake_differential_ik import desired_pose, drake_differential_ik
-from fikm_drake.experiments.quiet_drake import quiet_drake
+from fikm_drake.experiments.benchmarks.drake_differential_ik import (
+    desired_pose,
+    drake_differential_ik,
+)
+from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 
 PERIOD = 0.01
 HOME = np.array([0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0])

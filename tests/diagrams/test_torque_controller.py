@@ -180,8 +180,8 @@ def test_bad_arguments_are_named(discrete, plant_with):
     for bandwidth in (0.0, -1.0, np.nan, np.inf):  # bad as either
         with pytest.raises(ValueError, match="bandwidth"):
             fd.FuzzyIkTorqueController(discrete, bandwidth=bandwidth)
-        with pytest.raises(ValueError, match="acceleration_limit"):
-            fd.FuzzyIkTorqueController(discrete, acceleration_limit=bandwidth)
+        with pytest.raises(ValueError, match="acceleration_limits"):
+            fd.FuzzyIkTorqueController(discrete, acceleration_limits=bandwidth)
     unactuated = MultibodyPlant(1e-3)
     fd.AddDhArm(unactuated, fd.load_arm("arm7"))
     unactuated.RemoveJointActuator(unactuated.GetJointActuatorByName("joint3_motor"))

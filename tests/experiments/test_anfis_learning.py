@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.anfis import (
+from fikm_drake.experiments.benchmarks.anfis_benchmark import table
+from fikm_drake.experiments.reproduce.anfis import (
     EXPERIMENTS,
     arms_without_closed_form,
     learning,
     samples,
     seven_joints,
 )
-from fikm_drake.experiments.anfis.anfis_benchmark import table
-from fikm_drake.experiments.anfis.tables import bilinear_table, radial_table
+from fikm_drake.experiments.reproduce.anfis.tables import bilinear_table, radial_table
 
 
 @pytest.mark.parametrize("name", ["accuracy", "figure 4.16", "resolution"])

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from fikm_drake.experiments.anfis import EXPERIMENTS, exactness_sample, regions_benchmark
-from fikm_drake.experiments.anfis.region import stretches
-from fikm_drake.experiments.anfis.trajectories import A, B, C
+from fikm_drake.experiments.benchmarks import self_motion_benchmark
+from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, exactness_sample
+from fikm_drake.experiments.reproduce.anfis.region import stretches
+from fikm_drake.experiments.reproduce.anfis.trajectories import A, B, C
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
+from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,7 @@ def test_exactness_on_a_few_targets(monkeypatch):
 
 
 def test_benchmark_prints_every_method():
-    text = regions_benchmark.table(20, lambda share: None)
+    text = self_motion_benchmark.table(20, lambda share: None)
     assert text.count("yes") == 4 and "NO" not in text
     for word in ("scan", "planar 3R", "iiwa14", "panda"):
         assert word in text

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.fikm import EXPERIMENTS, ablation, operation_counts, paths
+from fikm_drake.experiments.reproduce.fikm import EXPERIMENTS, ablation, operation_counts, paths
 
 
 @pytest.mark.parametrize("key", [key for key in EXPERIMENTS if key != "times"])

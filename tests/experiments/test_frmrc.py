@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.frmrc import EXPERIMENTS, batch_tracking
-from fikm_drake.experiments.frmrc.descent import CASES, longer
-from fikm_drake.experiments.frmrc.pictures import errors_before
-from fikm_drake.experiments.rate_benchmark import rate_benchmark
+from fikm_drake.experiments.benchmarks.rate_benchmark import rate_benchmark
+from fikm_drake.experiments.reproduce.frmrc import EXPERIMENTS, batch_tracking
+from fikm_drake.experiments.reproduce.frmrc.descent import CASES, longer
+from fikm_drake.experiments.reproduce.frmrc.pictures import errors_before
 
 
 @pytest.mark.parametrize("key", EXPERIMENTS)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.integer import EXPERIMENTS, compiled, desk_paths
-from fikm_drake.experiments.integer.figure_4 import shared_singletons
-from fikm_drake.experiments.integer.many_joints import JOINTS, many_joints
-from fikm_drake.experiments.integer.table_1 import TABLE_1, labels_in_order
-from fikm_drake.experiments.integer.table_2 import operations
+from fikm_drake.experiments.reproduce.integer import EXPERIMENTS, compiled, workplane_paths
+from fikm_drake.experiments.reproduce.integer.figure_4 import shared_singletons
+from fikm_drake.experiments.reproduce.integer.many_joints import JOINTS, many_joints
+from fikm_drake.experiments.reproduce.integer.table_1 import TABLE_1, labels_in_order
+from fikm_drake.experiments.reproduce.integer.table_2 import operations
 
 
 @pytest.mark.parametrize("key", EXPERIMENTS)
@@ -52,9 +52,9 @@ def test_five_shared_singletons_are_not_enough():
 @pytest.mark.parametrize(
     ("path", "length", "step"),
     [
-        (desk_paths.rectangle(), 1400, 5),
-        (desk_paths.circle(), 2 * np.pi * 150, 150 * np.pi / 180),
-        (desk_paths.inclined_line(), 500, 5),
+        (workplane_paths.rectangle(), 1400, 5),
+        (workplane_paths.circle(), 2 * np.pi * 150, 150 * np.pi / 180),
+        (workplane_paths.inclined_line(), 500, 5),
     ],
 )
 def test_paths_of_figures_7_to_12(path, length, step):

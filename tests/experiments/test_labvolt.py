@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from fikm_drake.experiments.labvolt import EXPERIMENTS, benchmark, figures, findings, runs, tables
-from fikm_drake.experiments.labvolt.runs import PAPER
+from fikm_drake.experiments.benchmarks import labvolt_benchmark as benchmark
+from fikm_drake.experiments.reproduce.labvolt import (
+    EXPERIMENTS,
+    figures,
+    findings,
+    runs,
+    tables,
+)
+from fikm_drake.experiments.reproduce.labvolt.runs import PAPER
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -4,7 +4,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from fikm_drake.experiments.mamdani_benchmark import (
+from fikm_drake.experiments.benchmarks.mamdani_benchmark import (
     CASES,
     OURS,
     PEER,

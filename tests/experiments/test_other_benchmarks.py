@@ -2,8 +2,8 @@
 
 import pytest
 
-from fikm_drake.experiments.cycle_benchmark import DRAKE, FUZZY, cycle_benchmark, laws
-from fikm_drake.experiments.hard_benchmark import hard_benchmark
+from fikm_drake.experiments.benchmarks.cycle_benchmark import DRAKE, FUZZY, cycle_benchmark, laws
+from fikm_drake.experiments.benchmarks.hard_benchmark import hard_benchmark
 
 
 def test_cycle_compares_each_law_alone_and_with_its_jacobian():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from fikm_drake.experiments.pose_benchmark import pose_benchmark
+from fikm_drake.experiments.benchmarks.pose_benchmark import pose_benchmark
 
 
 def test_ours_reach_poses_and_rest_out_of_reach_and_drakes_does_not():
@@ -11,7 +11,7 @@ def test_ours_reach_poses_and_rest_out_of_reach_and_drakes_does_not():
         assert 0 <= result.reached <= 3 and result.microseconds > 0
         if "fuzzy" in name:
             assert result.unrest < 1e-3
-    best = results["fuzzy, 6 iterations, detour"]
+    best = results["fuzzy, 6 iterations, restart_search"]
     assert best.reached == 3 and best.reversals == 0
     chatter = results["Drake DifferentialInverseKinematicsController"]
     assert chatter.unrest > 0.1 and chatter.reversals > 10

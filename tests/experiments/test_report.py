@@ -1,8 +1,8 @@
 """A paper's figures beside ours: the verdicts, and the exit code that comes of them."""
 
 from fikm_drake import cli
-from fikm_drake.experiments import papers
-from fikm_drake.experiments.report import Cell, Section, at_most, equal
+from fikm_drake.experiments.reproduce import papers
+from fikm_drake.experiments.reproduce.report import Cell, Section, at_most, equal
 
 
 def test_at_most():

@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.quiet_drake import quiet_drake
-from fikm_drake.experiments.supervise_benchmark import HOME, REACH, far_pose, supervise_benchmark
+from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
+from fikm_drake.experiments.benchmarks.supervise_benchmark import (
+    HOME,
+    REACH,
+    far_pose,
+    supervise_benchmark,
+)
 
 
 def test_supervision_ends_the_chatter_and_keeps_the_tracking():

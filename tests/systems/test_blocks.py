@@ -18,27 +18,29 @@ MAKERS = {
     "GainSupervisor": lambda plant: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=0.2),
     "VariableGain": lambda plant: fd.VariableGain(3, limit=0.2),
     "LowPassFilter": lambda plant: fd.LowPassFilter(3, period=PERIOD),
-    "FuzzyIk": lambda plant: fd.FuzzyIk(
+    "DifferentialIk": lambda plant: fd.DifferentialIk(
         plant, law=FuzzyMapping(iterations=3), guarded=True, damped=True, posture_gain=0.02
     ),
-    "DetourPlanner": lambda plant: fd.DetourPlanner(plant, period=PERIOD),
+    "RestartPlanner": lambda plant: fd.RestartPlanner(plant, period=PERIOD),
     "JointIntegrator": lambda plant: fd.JointIntegrator(
         -2 * np.ones(7), 2 * np.ones(7), period=PERIOD, initial_position=0.1 * np.ones(7)
     ),
-    "StatusMonitor": lambda plant: fd.StatusMonitor(3, detour=True),
+    "StatusMonitor": lambda plant: fd.StatusMonitor(3, restart_search=True),
     "CommandSupervisor": lambda plant: fd.CommandSupervisor(7, period=PERIOD),
     "JointReference": lambda plant: fd.JointReference(
         7,
         period=PERIOD,
         time_step=PERIOD / 20,
         velocity_limits=np.full(7, np.inf),
-        acceleration_limit=20.0,
+        acceleration_limits=20.0,
     ),
     "LastFinite": lambda plant: fd.LastFinite(3, period=PERIOD),
     "FusedFuzzyIk": lambda plant: fd.FusedFuzzyIk(
         plant,
         law=FuzzyMapping(iterations=3),
-        config=fd.FuzzyIkConfig(fused=True, measured_position=True, detour=True, posture_gain=1.0),
+        config=fd.FuzzyIkConfig(
+            fused=True, measured_position=True, restart_search=True, posture_gain=1.0
+        ),
     ),
 }
 
@@ -50,20 +52,27 @@ PORTS = {
     ),
     "VariableGain": ({"gain": 1, "task_error": 3}, {"amplified_error": 3, "valid": 1}),
     "LowPassFilter": ({"u0": 3}, {"y0": 3}),
-    "FuzzyIk": (
+    "DifferentialIk": (
         {"task_error": 3, "position": 7, "guard": 3, "damping": 1},
         {"joint_step": 7, "valid": 1},
     ),
-    "DetourPlanner": (
+    "RestartPlanner": (
         {"desired_position": 3, "position": 7, "law_step": 7},
-        {"joint_step": 7, "detour": 1, "valid": 1},
+        {"joint_step": 7, "restart_search": 1, "valid": 1},
     ),
     "JointIntegrator": (
         {"joint_step": 7},
         {"position": 7, "velocity": 7, "valid": 1, "limited": 1},
     ),
     "StatusMonitor": (
-        {"task_error": 3, "valid": 1, "limited": 1, "oscillating": 1, "calm": 1, "detour": 1},
+        {
+            "task_error": 3,
+            "valid": 1,
+            "limited": 1,
+            "oscillating": 1,
+            "calm": 1,
+            "restart_search": 1,
+        },
         {"status": 1},
     ),
     "CommandSupervisor": (
@@ -93,7 +102,7 @@ PORTS = {
 STATE_ONLY = {
     "GainSupervisor": {("joint_step", "gain")}
     | {(i, o) for i in ("task_error", "joint_step") for o in ("oscillating", "calm", "damping")},
-    "DetourPlanner": {(i, "detour") for i in ("desired_position", "position", "law_step")},
+    "RestartPlanner": {(i, "restart_search") for i in ("desired_position", "position", "law_step")},
     "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
     "CommandSupervisor": {
         ("commanded_velocity", "gain"),
@@ -110,7 +119,7 @@ STATE_ONLY = {
     },
 }
 
-FLAGS = ("limited", "oscillating", "calm", "detour", "valid")
+FLAGS = ("limited", "oscillating", "calm", "restart_search", "valid")
 """Inputs of which only a threshold counts, or a few numbers."""
 
 # The filter is Drake's; it keeps what is fed to it, as its docstring says.
@@ -126,7 +135,7 @@ GOOD = {
     "gain": np.ones(1),
     "calm": np.ones(1),
     "damping": 0.1 * np.ones(1),
-    "detour": np.zeros(1),
+    "restart_search": np.zeros(1),
     "guard": np.zeros(3),
     "valid": np.ones(1),
     "limited": np.zeros(1),
@@ -297,7 +306,7 @@ def test_threads_give_the_serial_results(name, block, drive, equal):
         lambda plant, period: fd.GainSupervisor(3, 7, period=period),
         lambda plant, period: fd.LowPassFilter(3, period=period),
         lambda plant, period: fd.JointIntegrator([-1], [1], period=period, initial_position=[0]),
-        lambda plant, period: fd.DetourPlanner(plant, period=period),
+        lambda plant, period: fd.RestartPlanner(plant, period=period),
     ],
 )
 def test_a_period_must_be_positive_and_finite(make, period, plant):
@@ -349,33 +358,48 @@ def test_sizes_may_be_of_numpy(ports):
             lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan),
             ["initial_value", "nan"],
         ),
-        (lambda p: fd.FuzzyIk(p, damped=True), ["damped", "law", "FuzzyMapping"]),
-        (lambda p: fd.FuzzyIk(p, longest_step=0.0), ["longest_step", "0.0", "positive"]),
-        (lambda p: fd.FuzzyIk(p, side_step=-0.1), ["side_step", "-0.1", "negative"]),
-        (lambda p: fd.FuzzyIk(p, side_step=np.inf), ["side_step", "inf", "finite"]),
-        (lambda p: fd.FuzzyIk(p, limit_zone=-0.1), ["limit_zone", "-0.1", "negative"]),
-        (lambda p: fd.FuzzyIk(p, limit_zone=np.nan), ["limit_zone", "nan"]),
-        (lambda p: fd.FuzzyIk(p, posture_gain=1.1), ["posture_gain", "1.1", "[0, 1]"]),
-        (lambda p: fd.FuzzyIk(p, posture_gain=-0.1), ["posture_gain", "-0.1", "[0, 1]"]),
-        (lambda p: fd.FuzzyIk(p, posture_gain=np.nan), ["posture_gain", "nan"]),
+        (lambda p: fd.DifferentialIk(p, damped=True), ["damped", "law", "FuzzyMapping"]),
+        (lambda p: fd.DifferentialIk(p, max_joint_step=0.0), ["max_joint_step", "0.0", "positive"]),
         (
-            lambda p: fd.FuzzyIk(p, posture_gain=0.1, nominal_position=[0.0, 1.0]),
+            lambda p: fd.DifferentialIk(p, singularity_nudge=-0.1),
+            ["singularity_nudge", "-0.1", "negative"],
+        ),
+        (
+            lambda p: fd.DifferentialIk(p, singularity_nudge=np.inf),
+            ["singularity_nudge", "inf", "finite"],
+        ),
+        (lambda p: fd.DifferentialIk(p, limit_margin=-0.1), ["limit_margin", "-0.1", "negative"]),
+        (lambda p: fd.DifferentialIk(p, limit_margin=np.nan), ["limit_margin", "nan"]),
+        (lambda p: fd.DifferentialIk(p, posture_gain=1.1), ["posture_gain", "1.1", "[0, 1]"]),
+        (lambda p: fd.DifferentialIk(p, posture_gain=-0.1), ["posture_gain", "-0.1", "[0, 1]"]),
+        (lambda p: fd.DifferentialIk(p, posture_gain=np.nan), ["posture_gain", "nan"]),
+        (
+            lambda p: fd.DifferentialIk(p, posture_gain=0.1, nominal_position=[0.0, 1.0]),
             ["nominal_position", "7", "[0.0, 1.0]"],
         ),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, tolerance=0.0), ["tolerance", "0.0"]),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, tolerance=np.nan), ["tolerance", "nan"]),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, speed=-1.0), ["speed", "-1.0", "positive"]),
-        (lambda p: fd.FuzzyIk(p, nominal_position=[0.0]), ["nominal_position", "[0.0]", "7"]),
-        (lambda p: fd.FuzzyIk(p, task=3), ["task", "3", "position"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, tolerance=0.0), ["tolerance", "0.0"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, tolerance=np.nan), ["tolerance", "nan"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, speed=-1.0), ["speed", "-1.0", "positive"]),
+        (
+            lambda p: fd.DifferentialIk(p, nominal_position=[0.0]),
+            ["nominal_position", "[0.0]", "7"],
+        ),
+        (lambda p: fd.DifferentialIk(p, task=3), ["task", "3", "position"]),
         (lambda p: fd.TaskError(p, frame=None), ["frame", "None", "tool"]),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, speed=np.nan), ["speed", "nan"]),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, task="yx"), ["task", "yx", "position"]),
-        (lambda p: fd.DetourPlanner(p, period=PERIOD, frame="hand"), ["frame", "hand", "tool"]),
-        (lambda p: fd.FuzzyIk(p, task="posture"), ["task", "posture", "position", "xy", "pose"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, speed=np.nan), ["speed", "nan"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, task="yx"), ["task", "yx", "position"]),
+        (lambda p: fd.RestartPlanner(p, period=PERIOD, frame="hand"), ["frame", "hand", "tool"]),
+        (
+            lambda p: fd.DifferentialIk(p, task="posture"),
+            ["task", "posture", "position", "xy", "pose"],
+        ),
         (lambda p: fd.TaskError(p, task="yx"), ["task", "yx", "position", "xy"]),
         (lambda p: fd.TaskError(p, frame="hand"), ["frame", "hand", "link1", "link7", "tool"]),
-        (lambda p: fd.FuzzyIk(p, frame=""), ["frame", "''", "link1", "link7", "tool"]),
-        (lambda p: fd.FuzzyIk(p, frame="no_arm::tool"), ["frame", "no_arm::tool", "arm7::tool"]),
+        (lambda p: fd.DifferentialIk(p, frame=""), ["frame", "''", "link1", "link7", "tool"]),
+        (
+            lambda p: fd.DifferentialIk(p, frame="no_arm::tool"),
+            ["frame", "no_arm::tool", "arm7::tool"],
+        ),
     ],
 )
 def test_errors_name_the_bad_value_and_the_valid_ones(make, words, plant):
@@ -387,8 +411,8 @@ def test_errors_name_the_bad_value_and_the_valid_ones(make, words, plant):
 
 BLOCKS_WITH_A_PLANT = [
     lambda plant: fd.TaskError(plant),
-    lambda plant: fd.FuzzyIk(plant),
-    lambda plant: fd.DetourPlanner(plant, period=PERIOD),
+    lambda plant: fd.DifferentialIk(plant),
+    lambda plant: fd.RestartPlanner(plant, period=PERIOD),
     lambda plant: fd.MakeFuzzyIkController(plant),
     lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=True)),
     lambda plant: fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(method="direct")),

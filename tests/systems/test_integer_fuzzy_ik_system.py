@@ -9,7 +9,7 @@ from pydrake.systems.primitives import ConstantVectorSource
 import fikm_drake as fd
 
 INVALID, INSIDE, OUTSIDE = (float(status) for status in fd.IntegerFuzzyIkStatus)
-DESK = fd.load_desk("tojo4dof")
+WORKPLANE = fd.load_workplane("tojo4dof")
 
 
 @pytest.fixture(scope="module")
@@ -19,7 +19,7 @@ def ik():
 
 @pytest.fixture
 def driver(ik, drive):
-    return drive(fd.IntegerFuzzyIkSystem(ik, DESK))
+    return drive(fd.IntegerFuzzyIkSystem(ik, WORKPLANE))
 
 
 def after(driver, position):
@@ -29,14 +29,14 @@ def after(driver, position):
 
 
 def test_ports(ik, ports):
-    system = fd.IntegerFuzzyIkSystem(ik, DESK)
+    system = fd.IntegerFuzzyIkSystem(ik, WORKPLANE)
     assert ports(system) == ({"desired_position": 3}, {"position": 4, "status": 1})
     assert not system.HasAnyDirectFeedthrough()
 
 
 @pytest.mark.parametrize("point", [(0, 0), (120, 80), (400, 300)])
 def test_command_is_of_the_nearest_whole_millimetre(driver, ik, point):
-    desired = DESK.to_world(np.array(point) + [0.4, -0.4])
+    desired = WORKPLANE.to_world(np.array(point) + [0.4, -0.4])
     position, status = after(driver, desired)
     np.testing.assert_array_equal(position, ik.to_radians(ik.solve(*point)[0]))
     assert status == INSIDE
@@ -44,7 +44,7 @@ def test_command_is_of_the_nearest_whole_millimetre(driver, ik, point):
 
 def test_tool_comes_to_the_position_in_the_world(driver):
     arm = fd.load_arm("tojo4dof")
-    for desired in DESK.to_world(np.random.default_rng(0).uniform(0, [400, 300], (20, 2))):
+    for desired in WORKPLANE.to_world(np.random.default_rng(0).uniform(0, [400, 300], (20, 2))):
         position, _ = after(driver, desired)
         tool = arm.forward_kinematics(position)[:3, 3]
         assert np.linalg.norm(tool - desired) < 0.0033
@@ -52,37 +52,37 @@ def test_tool_comes_to_the_position_in_the_world(driver):
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_lost_input_holds_the_last_good_command(driver, bad):
-    good, _ = after(driver, DESK.to_world([100, 200]))
+    good, _ = after(driver, WORKPLANE.to_world([100, 200]))
     for k in range(3):
-        desired = DESK.to_world([300, 20])
+        desired = WORKPLANE.to_world([300, 20])
         desired[k] = bad
         position, status = after(driver, desired)
         np.testing.assert_array_equal(position, good)
         assert status == INVALID
-    assert after(driver, DESK.to_world([300, 20]))[1] == INSIDE
+    assert after(driver, WORKPLANE.to_world([300, 20]))[1] == INSIDE
 
 
 @pytest.mark.parametrize(
     ("point", "nearest"), [((-3, 100), (0, 100)), ((500, 400), (400, 300)), ((1e100, 5), (400, 5))]
 )
 def test_a_position_beside_the_desk_gives_the_nearest_point(ik, drive, point, nearest):
-    desk = fd.Desk()
-    driver = drive(fd.IntegerFuzzyIkSystem(ik, desk))
+    workplane = fd.Workplane()
+    driver = drive(fd.IntegerFuzzyIkSystem(ik, workplane))
     position, status = after(driver, np.array([*point, 0.0]) / 1000)
     np.testing.assert_array_equal(position, ik.to_radians(ik.solve(*nearest)[0]))
     assert status == OUTSIDE
 
 
 def test_a_position_over_the_desk_counts_as_outside(ik, drive):
-    driver = drive(fd.IntegerFuzzyIkSystem(ik, DESK, height_tolerance=0.01))
+    driver = drive(fd.IntegerFuzzyIkSystem(ik, WORKPLANE, height_tolerance=0.01))
     for height, expected in ((0.009, INSIDE), (0.011, OUTSIDE), (-0.011, OUTSIDE)):
-        position, status = after(driver, DESK.to_world([50, 60]) + [0, 0, height])
+        position, status = after(driver, WORKPLANE.to_world([50, 60]) + [0, 0, height])
         np.testing.assert_array_equal(position, ik.to_radians(ik.solve(50, 60)[0]))
         assert status == expected
 
 
 def test_starts_in_the_middle_or_where_it_is_set(ik, drive):
-    system = fd.IntegerFuzzyIkSystem(ik, DESK)
+    system = fd.IntegerFuzzyIkSystem(ik, WORKPLANE)
     driver = drive(system)
     np.testing.assert_array_equal(driver["position"], ik.to_radians(ik.solve(200, 150)[0]))
     system.SetPositions(driver.context, [0.1, 0.2, 0.3, 0.4])
@@ -92,16 +92,16 @@ def test_starts_in_the_middle_or_where_it_is_set(ik, drive):
 
 
 def test_a_desk_that_is_moved_later_does_not_count(ik, drive):
-    desk = fd.load_desk("tojo4dof")
-    driver = drive(fd.IntegerFuzzyIkSystem(ik, desk))
-    desk.origin[0] += 1.0
-    assert after(driver, DESK.to_world([50, 60]))[1] == INSIDE
+    workplane = fd.load_workplane("tojo4dof")
+    driver = drive(fd.IntegerFuzzyIkSystem(ik, workplane))
+    workplane.origin[0] += 1.0
+    assert after(driver, WORKPLANE.to_world([50, 60]))[1] == INSIDE
 
 
 def test_samples_at_its_period_in_a_simulator(ik):
     builder = DiagramBuilder()
-    source = builder.AddSystem(ConstantVectorSource(DESK.to_world([10, 20])))
-    system = builder.AddSystem(fd.IntegerFuzzyIkSystem(ik, DESK, period=0.5))
+    source = builder.AddSystem(ConstantVectorSource(WORKPLANE.to_world([10, 20])))
+    system = builder.AddSystem(fd.IntegerFuzzyIkSystem(ik, WORKPLANE, period=0.5))
     builder.Connect(source.get_output_port(), system.get_input_port())
     simulator = Simulator(builder.Build())
     simulator.AdvanceTo(0.1)
@@ -117,9 +117,9 @@ def test_samples_at_its_period_in_a_simulator(ik):
         ({"period": np.nan}, "period"),
         ({"height_tolerance": -1.0}, "height_tolerance"),
         ({"height_tolerance": np.inf}, "height_tolerance"),
-        ({"desk": fd.Desk(yaw=np.nan)}, "yaw"),
+        ({"workplane": fd.Workplane(yaw=np.nan)}, "yaw"),
     ],
 )
 def test_bad_options(ik, options, words):
     with pytest.raises(ValueError, match=words):
-        fd.IntegerFuzzyIkSystem(ik, **({"desk": DESK} | options))
+        fd.IntegerFuzzyIkSystem(ik, **({"workplane": WORKPLANE} | options))

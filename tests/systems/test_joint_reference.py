@@ -19,7 +19,7 @@ def make(n, step=STEP, speed=np.inf, acceleration=FREE):
         period=PERIOD,
         time_step=step,
         velocity_limits=np.full(n, speed),
-        acceleration_limit=acceleration,
+        acceleration_limits=acceleration,
     )
 
 
@@ -114,8 +114,8 @@ def test_set_positions_is_at_rest(drive):
         ({"velocity_limits": [1.0]}, ["velocity_limits", "2", "[1.0]"]),
         ({"velocity_limits": [1.0, 0.0]}, ["velocity_limits", "[1.0, 0.0]"]),
         ({"velocity_limits": [1.0, np.nan]}, ["velocity_limits", "nan"]),
-        ({"acceleration_limit": 0.0}, ["acceleration_limit", "0.0"]),
-        ({"acceleration_limit": np.inf}, ["acceleration_limit", "inf"]),
+        ({"acceleration_limits": 0.0}, ["acceleration_limits", "0.0"]),
+        ({"acceleration_limits": np.inf}, ["acceleration_limits", "inf"]),
         ({"period": 0.0}, ["period", "0.0"]),
         ({"time_step": np.nan}, ["time_step", "nan"]),
         ({"time_step": 0.05}, ["time_step", "0.05", "0.02"]),
@@ -124,5 +124,5 @@ def test_set_positions_is_at_rest(drive):
 def test_bad_arguments_are_named(changes, words):
     good = {"period": PERIOD, "time_step": STEP, "velocity_limits": [1.0, 1.0]}
     with pytest.raises(ValueError) as error:
-        fd.JointReference(2, **good | {"acceleration_limit": 1.0} | changes)
+        fd.JointReference(2, **good | {"acceleration_limits": 1.0} | changes)
     assert all(word in str(error.value) for word in words)

@@ -12,10 +12,10 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LinearSystem, LogVectorOutput, Sine
 
 import fikm_drake as fd
-from fikm_drake.laws.controller_status import ControllerStatus, controller_status
-from fikm_drake.laws.gain_supervision import HEAD
-from fikm_drake.laws.joint_limits import JointLimits
-from fikm_drake.laws.steps import amplify
+from fikm_drake.control.gain_supervision import HEAD
+from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.status import ControllerStatus, controller_status
+from fikm_drake.control.steps import amplify
 
 AXES = {
     "position": [0, 1, 2],
@@ -55,7 +55,7 @@ def test_task_error_of_another_frame(frame, plant, arm7, drive):
 def test_fuzzy_ik_is_the_law_at_the_arms_jacobian(task, method, plant, arm7, drive):
     rows = [3 + i for i in AXES[task]]
     law = fd.FuzzyMapping(method, jacobian_range=arm7.jacobian_range()[rows])
-    driver = drive(fd.FuzzyIk(plant, law=law, task=task))
+    driver = drive(fd.DifferentialIk(plant, law=law, task=task))
     rng = np.random.default_rng(1)
     for q in rng.uniform(-3, 3, (10, 7)):
         error = rng.uniform(-0.05, 0.05, len(rows))
@@ -66,7 +66,7 @@ def test_fuzzy_ik_is_the_law_at_the_arms_jacobian(task, method, plant, arm7, dri
 
 def test_fuzzy_ik_takes_the_paper_s_law_by_default(plant, arm7, drive):
     q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
-    step = drive(fd.FuzzyIk(plant)).cycle(task_error=error, position=q)["joint_step"]
+    step = drive(fd.DifferentialIk(plant)).cycle(task_error=error, position=q)["joint_step"]
     np.testing.assert_allclose(step, fd.FuzzyMapping()(arm7.jacobian(q)[3:], error), atol=1e-13)
 
 
@@ -78,7 +78,9 @@ def test_fuzzy_ik_takes_another_law(plant, arm7, drive):
             return J.T @ np.linalg.solve(J @ J.T + 1e-6 * np.eye(len(J)), dr)
 
     q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
-    step = drive(fd.FuzzyIk(plant, law=Damped())).cycle(task_error=error, position=q)["joint_step"]
+    step = drive(fd.DifferentialIk(plant, law=Damped())).cycle(task_error=error, position=q)[
+        "joint_step"
+    ]
     np.testing.assert_allclose(step, Damped().step(arm7.jacobian(q)[3:], error), atol=1e-13)
     np.testing.assert_allclose(arm7.jacobian(q)[3:] @ step, error, atol=1e-4)
 
@@ -86,12 +88,12 @@ def test_fuzzy_ik_takes_another_law(plant, arm7, drive):
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_fuzzy_ik_guard(plant, drive, bad):
     """The error is good still, filtered as it is, but what it comes from is lost."""
-    driver = drive(fd.FuzzyIk(plant, guarded=True))
+    driver = drive(fd.DifferentialIk(plant, guarded=True))
     good = {"task_error": np.full(3, 0.01), "position": np.ones(7), "guard": np.zeros(3)}
     assert driver.cycle(**good)["joint_step"].any()
     lost = driver.cycle(**good | {"guard": np.array([0.0, bad, 0.0])})
     assert not lost["joint_step"].any() and lost["valid"] == 0
-    assert fd.FuzzyIk(plant).num_input_ports() == 2
+    assert fd.DifferentialIk(plant).num_input_ports() == 2
 
 
 def test_a_nan_of_a_joint_beyond_the_frame_counts(plant, drive):
@@ -102,7 +104,9 @@ def test_a_nan_of_a_joint_beyond_the_frame_counts(plant, drive):
         desired_position=np.ones(3), position=q
     )
     assert outputs["valid"] == 0 and not outputs["task_error"].any()
-    outputs = drive(fd.FuzzyIk(plant, frame="link4")).cycle(task_error=np.ones(3), position=q)
+    outputs = drive(fd.DifferentialIk(plant, frame="link4")).cycle(
+        task_error=np.ones(3), position=q
+    )
     assert outputs["valid"] == 0 and not outputs["joint_step"].any()
 
 
@@ -118,20 +122,20 @@ def test_variable_gain(drive, error, gain, limit):
 
 def test_fuzzy_ik_hands_the_damping_to_the_law(plant, arm7, drive):
     law = fd.FuzzyMapping(iterations=3, damping=0.1)
-    driver = drive(fd.FuzzyIk(plant, law=law, damped=True))
+    driver = drive(fd.DifferentialIk(plant, law=law, damped=True))
     q, error = np.linspace(-1, 1, 7), np.array([0.01, 0.02, -0.01])
     J = arm7.jacobian(q)[3:]
     for damping in (0.0, 0.3):
         outputs = driver.cycle(task_error=error, position=q, damping=[damping])
         np.testing.assert_allclose(outputs["joint_step"], law(J, error, damping), atol=1e-12)
-    assert fd.FuzzyIk(plant, law=law).num_input_ports() == 2
+    assert fd.DifferentialIk(plant, law=law).num_input_ports() == 2
 
 
 def test_fuzzy_ik_bounds_its_step_and_keeps_off_the_limits(plant_with, drive):
     """See tests/laws for how; here it is the plant's limits and the given length that count."""
     panda = fd.load_arm("panda")
-    driver = drive(fd.FuzzyIk(plant_with("panda"), longest_step=0.05, limit_zone=0.1))
-    free = drive(fd.FuzzyIk(plant_with("panda")))
+    driver = drive(fd.DifferentialIk(plant_with("panda"), max_joint_step=0.05, limit_margin=0.1))
+    free = drive(fd.DifferentialIk(plant_with("panda")))
     rng = np.random.default_rng(4)
     weaker = 0
     for _ in range(50):
@@ -148,7 +152,7 @@ def test_fuzzy_ik_bounds_its_step_and_keeps_off_the_limits(plant_with, drive):
 
 def test_fuzzy_ik_pulls_to_the_nominal_posture(plant, arm7, drive):
     nominal = np.linspace(0.3, -0.4, 7)
-    driver = drive(fd.FuzzyIk(plant, posture_gain=0.1, nominal_position=nominal.tolist()))
+    driver = drive(fd.DifferentialIk(plant, posture_gain=0.1, nominal_position=nominal.tolist()))
     q = np.linspace(-1, 1, 7)
     step = driver.cycle(task_error=np.zeros(3), position=q)["joint_step"]
     J = arm7.jacobian(q)[3:]
@@ -157,11 +161,11 @@ def test_fuzzy_ik_pulls_to_the_nominal_posture(plant, arm7, drive):
 
 
 @pytest.mark.parametrize("flags", list(itertools.product([0.0, 1.0], repeat=3)))
-@pytest.mark.parametrize("detour", [None, *fd.DetourState])
-def test_status_monitor(drive, flags, detour):
-    driver = drive(fd.StatusMonitor(2, detour=detour is not None))
+@pytest.mark.parametrize("restart_search", [None, *fd.RestartState])
+def test_status_monitor(drive, flags, restart_search):
+    driver = drive(fd.StatusMonitor(2, restart_search=restart_search is not None))
     names = dict(zip(("valid", "limited", "oscillating"), flags))
-    state = {} if detour is None else {"detour": detour}
+    state = {} if restart_search is None else {"restart_search": restart_search}
     inputs = {name: [float(value)] for name, value in (names | state).items()}
     flags = {name: bool(flag) for name, flag in names.items()} | state
     for calm, error in itertools.product([1.0, 0.1], [0.0, 1e-3, 1.1e-3, 2.0]):
@@ -237,7 +241,7 @@ def test_joint_integrator_velocity_is_the_derivative_of_the_position(drive):
 
 def test_joint_integrator_keeps_the_rates(drive):
     """What `JointLimits` does, on the block's own state; the velocity is that of the command."""
-    limits = {"velocity_limit": [1.0, np.inf], "acceleration_limit": 20.0}
+    limits = {"velocity_limits": [1.0, np.inf], "acceleration_limits": 20.0}
     block = fd.JointIntegrator(
         [-1.0, -np.inf], [0.5, np.inf], period=0.02, initial_position=[0.4, 0.0], **limits
     )
@@ -260,7 +264,7 @@ def test_joint_integrator_keeps_the_rates(drive):
 def test_joint_integrator_brakes_when_its_input_is_lost(drive):
     """No jump of the speed, and it stands after the time that the acceleration takes."""
     block = fd.JointIntegrator(
-        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limit=5.0
+        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limits=5.0
     )
     driver = drive(block)
     for _ in range(10):
@@ -275,7 +279,7 @@ def test_joint_integrator_brakes_when_its_input_is_lost(drive):
 
 def test_set_positions_is_a_start_from_rest(drive):
     block = fd.JointIntegrator(
-        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limit=5.0
+        [-9.0], [9.0], period=0.02, initial_position=[0.0], acceleration_limits=5.0
     )
     driver = drive(block)
     for _ in range(10):
@@ -285,7 +289,7 @@ def test_set_positions_is_a_start_from_rest(drive):
     assert driver["position"] == pytest.approx(1.0 + 5.0 * 0.02**2)
 
 
-@pytest.mark.parametrize("name", ["velocity_limit", "acceleration_limit"])
+@pytest.mark.parametrize("name", ["velocity_limits", "acceleration_limits"])
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, [1.0, 2.0, 3.0], [1.0, -2.0]])
 def test_joint_integrator_errors_of_rates(name, value):
     with pytest.raises(ValueError, match=name) as error:
@@ -383,10 +387,10 @@ def test_low_pass_filter_is_drake_s_and_converts():
 
 
 def test_blocks_of_the_loop_in_a_diagram_of_one_s_own(plant, arm7):
-    """TaskError, FuzzyIk and JointIntegrator, without supervisor and filters, wired by hand."""
+    """TaskError, DifferentialIk and JointIntegrator, without supervisor and filters, wired by hand."""
     builder = DiagramBuilder()
     error = builder.AddNamedSystem("error", fd.TaskError(plant))
-    ik = builder.AddNamedSystem("ik", fd.FuzzyIk(plant))
+    ik = builder.AddNamedSystem("ik", fd.DifferentialIk(plant))
     q0 = np.full(7, 0.2)
     integrator = builder.AddNamedSystem(
         "integrator", fd.JointIntegrator(arm7.lower, arm7.upper, period=0.02, initial_position=q0)

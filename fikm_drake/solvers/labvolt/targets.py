@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.checks import check_counts
-from fikm_drake.solvers.batch_targets import FARTHEST
+from fikm_drake.solvers.batch.batch_targets import FARTHEST
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.redundancy.region import Middle
-from fikm_drake.solvers.regions.feasible_intervals import EDGE, feasible_interval_table
+from fikm_drake.solvers.self_motion.feasible_intervals import EDGE, feasible_interval_table
 
 Array = NDArray[np.float64]
 

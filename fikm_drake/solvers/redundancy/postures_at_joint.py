@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.batch_arm import BatchArm
-from fikm_drake.solvers.batch_step import solve_positive_definite
-from fikm_drake.solvers.batch_targets import BatchTargets
-from fikm_drake.solvers.posture_pool import PosturePool
+from fikm_drake.solvers.batch.batch_arm import BatchArm
+from fikm_drake.solvers.batch.batch_step import solve_positive_definite
+from fikm_drake.solvers.batch.batch_targets import BatchTargets
+from fikm_drake.solvers.batch.posture_pool import PosturePool
 from fikm_drake.solvers.redundancy.tool_targets import tool_errors
 
 Array = NDArray[np.float64]

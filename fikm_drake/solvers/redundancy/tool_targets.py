@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.batch_targets import FARTHEST, checked_targets
-from fikm_drake.solvers.rotation_error import rotation_error
+from fikm_drake.solvers.batch.batch_targets import FARTHEST, checked_targets
+from fikm_drake.solvers.batch.rotation_error import rotation_error
 
 Array = NDArray[np.float64]
 

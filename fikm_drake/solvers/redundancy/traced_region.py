@@ -10,8 +10,8 @@ from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.redundancy.postures_at_joint import MET, PosturesAtJoint
 from fikm_drake.solvers.redundancy.region import Middle
 from fikm_drake.solvers.redundancy.tool_targets import as_poses, tool_errors
-from fikm_drake.solvers.regions.self_motion import SelfMotion
-from fikm_drake.solvers.regions.trace_self_motion import SelfMotionTracer
+from fikm_drake.solvers.self_motion.self_motion import SelfMotion
+from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer
 
 Array = NDArray[np.float64]
 NARROW = 1e-9

@@ -10,7 +10,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.workspace_points import random_workspace_points, workspace_points
-from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
+from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
 Array = NDArray[np.float64]
 POINTS = 3356

@@ -12,7 +12,7 @@ from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.workspace_points import random_tool_poses
-from fikm_drake.solvers.regions.generate_feasibility_data import generate_feasibility_data
+from fikm_drake.solvers.self_motion.generate_feasibility_data import generate_feasibility_data
 
 TRACED_POINTS = 4000
 TRACED_EPOCHS = 60

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
-from fikm_drake.solvers.posture_pool import start_range
-from fikm_drake.solvers.regions.feasible_intervals import feasible_interval_table
+from fikm_drake.solvers.batch.posture_pool import start_range
+from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
 Array = NDArray[np.float64]
 COARSE = 60

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from fikm_drake.experiments.integer.compiled import mismatches, passes_self_test
+from fikm_drake.experiments.reproduce.integer.compiled import mismatches, passes_self_test
 from fikm_drake.fuzzy.integer import SHAPES, write_c
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
 from fikm_drake.fuzzy.integer.integer_rule_base import CONJUNCTIONS

@@ -78,7 +78,7 @@ def test_initial_guess_for_drakes_own_inverse_kinematics():
 
 
 def test_more_of_drakes_inverse_kinematics_succeed_from_the_fuzzy_start():
-    from fikm_drake.experiments.labvolt.peers import drake_inverse_kinematics
+    from fikm_drake.experiments.reproduce.labvolt.peers import drake_inverse_kinematics
 
     arm, solve = fd.load_arm("labvolt5250"), drake_inverse_kinematics()
     plane = random_targets(80, seed=12)

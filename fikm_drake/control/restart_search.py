@@ -1,0 +1,193 @@
+"""The way out where no step leads nearer: another posture, found by search and driven to."""
+
+from collections.abc import Callable
+from enum import IntEnum
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.control.limit_weights import LimitWeights
+from fikm_drake.control.safe_step import SafeStep, aside
+from fikm_drake.control.steps import length
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+
+Array = NDArray[np.float64]
+ErrorAndJacobian = Callable[[Any, Array], tuple[Array, Array]]
+
+AT_REST = 0.01
+"""An arm that moves less in a cycle than this times the error is at rest [rad/m]."""
+APPROACH = 0.01
+"""The target is approached while the least error falls by this fraction [-]..."""
+PATIENCE = 40
+"""...within this number of cycles, of which one at rest counts as three; then the search begins [-]."""
+LOOKS = 4
+"""Steps of the search in a control cycle [-]."""
+WINDOW, PROGRESS = 6, 0.3
+"""A start of the search is given up unless `WINDOW` steps take away this fraction of its error [-]."""
+STARTS = 40
+"""Postures from which the search starts before it gives up [-]."""
+ERROR_LIMIT = 0.2
+"""A longer error counts as this long in the search [m]."""
+ZONE = 0.05
+"""Of the joint limits in the search [rad or m]."""
+NEAR = 1e-3
+"""Distance at which a posture is reached [rad or m]."""
+LANDING = 0.25
+"""Of what is left of a way a cycle takes at most this fraction, so that filters of the error settle [-]."""
+LATE = 3.0
+"""A way takes at most this many times as long as it should [-]."""
+
+
+class RestartState(IntEnum):
+    """What a restart search does; the first element of its memory."""
+
+    NONE = 0
+    """The law leads."""
+    SEARCHING = 1
+    """The law stays where it is; a posture is searched for."""
+    UNDERWAY = 2
+    """The joints move to the posture that was found."""
+    STUCK = 3
+    """None was found: the target is out of reach, as far as the search can tell."""
+
+
+class RestartSearch:
+    """Leaves dead points and local minima at joint limits, which no local law can.
+
+    When the law does not approach a target that rests, a virtual arm searches for a posture that solves the
+    task inside the joint limits, from a small step aside first and then from postures spread over
+    the joints' ranges, those whose tool is nearest first. It takes `LOOKS` steps a cycle, so a cycle's
+    cost is bounded. The joints then move there in a straight line at `pace`, and the law takes over
+    again. If none is found, the arm stays; the next search waits until the error has changed. The
+    search is the same each time: its starts are fixed numbers.
+
+    What it remembers is a vector that the caller keeps: the state; cycles without approach, or steps of
+    the search; the last error, or the start; the least error, or that at the last look at the search's
+    progress; then a posture (n,), of the last cycle or of the search.
+
+    The way is not checked for collisions.
+
+    Args:
+        kinematics: (target, q) to the task error (m,) and Jacobian (m,n).
+        num_rows: m.
+        lower: lower joint limits (n,) [rad or m]; −inf for none.
+        upper: upper joint limits (n,) [rad or m]; inf for none.
+        tolerance: an error up to this is solved [m].
+        pace: largest joint motion in a cycle on the way [rad or m].
+    """
+
+    def __init__(
+        self,
+        kinematics: ErrorAndJacobian,
+        num_rows: int,
+        *,
+        lower: Array,
+        upper: Array,
+        tolerance: float,
+        pace: float,
+    ) -> None:
+        self._kinematics = kinematics
+        self._lower, self._upper = lower, upper
+        self._tolerance, self._pace = tolerance, pace
+        law = FuzzyMapping(iterations=max(2, num_rows), damping=1e-3, row_floor=0.01)
+        self._search_step = SafeStep(law, longest=1.0, limits=LimitWeights(lower, upper, ZONE))
+        # Joints without a limit start within half a turn of where they are.
+        self._free = ~np.isfinite(upper - lower)
+        low, high = (np.where(self._free, sign * np.pi, x) for sign, x in ((-1, lower), (1, upper)))
+        self._starts = low + (high - low) * np.random.default_rng(0).random((STARTS, len(lower)))
+
+    def initial_memory(self) -> Array:
+        """The memory before the first cycle."""
+        return np.zeros(4 + len(self._lower))
+
+    def state(self, memory: Array) -> RestartState:
+        """What the restart search does."""
+        return RestartState(int(memory[0]))
+
+    def step(self, memory: Array, q: Array, joint_step: Array) -> Array:
+        """The joint step (n,): on the way that to the posture, else the law's `joint_step`."""
+        if memory[0] != RestartState.UNDERWAY:
+            return joint_step
+        way = memory[4:] - q
+        return way * min(LANDING, self._pace / max(float(np.abs(way).max()), 1e-300))
+
+    def remember(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+        """Write a cycle into `memory`: watch the law, search, or see whether the way is done.
+
+        Args:
+            memory: what is changed.
+            desired: the target, as `kinematics` takes it.
+            q: joint positions (n,) [rad or m].
+            error: length of the task error [m].
+        """
+        state = memory[0]
+        if not error < inf or (error <= self._tolerance and state != RestartState.UNDERWAY):
+            memory[:4] = 0.0
+        elif state == RestartState.NONE:
+            self._watch(memory, desired, q, error)
+        elif state == RestartState.SEARCHING:
+            for _ in range(LOOKS):
+                if memory[0] == RestartState.SEARCHING:
+                    self._look(memory, desired, q, error)
+        elif state == RestartState.UNDERWAY:
+            self._arrive(memory, desired, q)
+        elif abs(error - memory[3]) > max(self._tolerance, 0.1 * memory[3]):
+            memory[:4] = 0.0
+
+    def _watch(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+        """Begin to search if the law does not approach a target that rests."""
+        _, quiet, last_error, least = memory[:4]
+        moved = abs(length(self._kinematics(desired, memory[4:])[0]) - last_error)
+        if moved > 0.1 * self._tolerance or error < (1.0 - APPROACH) * least:
+            quiet, least = 0, error
+        else:
+            quiet += 3 if length(q - memory[4:]) < AT_REST * error else 1
+        if quiet < PATIENCE:
+            memory[1:4], memory[4:] = (quiet, error, least), q
+        else:
+            memory[:4] = RestartState.SEARCHING, 0, 0, error
+            memory[4:] = self._aside(q)
+
+    def _look(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+        """One step of the search."""
+        posture = memory[4:]
+        dr, J = self._kinematics(desired, posture)
+        size = length(dr)
+        if size <= 0.5 * self._tolerance:
+            cycles = np.abs(posture - q).max() / self._pace
+            memory[:3] = RestartState.UNDERWAY, -LATE * cycles - PATIENCE, 0
+            return
+        if memory[1] % WINDOW == 0:
+            if memory[1] and size > (1.0 - PROGRESS) * min(memory[3], ERROR_LIMIT):
+                self._start_again(memory, desired, q, error)
+                return
+            memory[3] = size
+        if size > ERROR_LIMIT:
+            dr = dr * (ERROR_LIMIT / size)
+        step = self._search_step(posture, J, dr, 0.1 * min(size, ERROR_LIMIT) ** 0.5)
+        memory[4:] = np.clip(posture + step, self._lower, self._upper)
+        memory[1] += 1
+
+    def _start_again(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+        start = int(memory[2])
+        if start >= STARTS:
+            memory[:4] = RestartState.STUCK, 0, 0, error
+            return
+        starts = self._starts + np.where(self._free, q, 0.0)
+        starts = np.clip(starts, self._lower, self._upper)
+        sizes = [length(self._kinematics(desired, s)[0]) for s in starts]
+        memory[1:4] = 0, start + 1, 0
+        memory[4:] = starts[np.argsort(sizes, kind="stable")[start]]
+
+    def _arrive(self, memory: Array, desired: Any, q: Array) -> None:
+        """Leave it to the law at the end of the way, if it takes too long or if the target moved."""
+        memory[1] += 1
+        lost = length(self._kinematics(desired, memory[4:])[0]) > 10.0 * self._tolerance
+        if memory[1] >= 0 or lost or np.abs(memory[4:] - q).max() <= NEAR:
+            memory[:4] = 0.0
+
+    def _aside(self, q: Array) -> Array:
+        """A posture beside q, the same each time."""
+        return np.clip(q + 0.1 * aside(len(q)), self._lower, self._upper)

@@ -1,0 +1,1 @@
+"""What `fikm-drake benchmark` runs."""

@@ -1,0 +1,81 @@
+"""What `fikm-drake benchmark` measures."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from fikm_drake.experiments.benchmarks import (
+    anfis_benchmark,
+    batch_benchmark,
+    cycle_benchmark,
+    hard_benchmark,
+    labvolt_benchmark,
+    mamdani_benchmark,
+    pose_benchmark,
+    rate_benchmark,
+    self_motion_benchmark,
+    step_benchmark,
+    supervise_benchmark,
+)
+
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """One benchmark."""
+
+    help: str
+    """One line."""
+    count: str
+    """What its one option counts, such as `rounds`."""
+    default: int
+    """How many by default."""
+    table: Callable[[int, Progress], str]
+    """Runs it: the count and a callback for progress to the text of its table."""
+
+
+BENCHMARKS = {
+    "step": Benchmark(
+        "CPU time of a control step beside Drake's", "rounds", 20, step_benchmark.table
+    ),
+    "cycle": Benchmark(
+        "CPU time of a law and of a cycle of differential IK", "rounds", 40, cycle_benchmark.table
+    ),
+    "hard": Benchmark(
+        "a line, a large step, targets out of reach, beside others",
+        "seconds",
+        10,
+        hard_benchmark.table,
+    ),
+    "poses": Benchmark(
+        "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table
+    ),
+    "batch": Benchmark(
+        "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "supervise": Benchmark(
+        "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
+    ),
+    "frmrc": Benchmark(
+        "fuzzy rate control beside the pseudo-inverse, in batch", "rounds", 10, rate_benchmark.table
+    ),
+    "labvolt": Benchmark(
+        "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table
+    ),
+    "mamdani": Benchmark(
+        "Mamdani inference, beside scikit-fuzzy where installed",
+        "rounds",
+        10,
+        mamdani_benchmark.table,
+    ),
+    "anfis": Benchmark(
+        "training and bounds, beside anfis-toolbox where installed",
+        "rounds",
+        5,
+        anfis_benchmark.table,
+    ),
+    "regions": Benchmark(
+        "feasible regions: exactness and time a point", "points", 5000, self_motion_benchmark.table
+    ),
+}
+"""Benchmarks by name."""

@@ -1,0 +1,114 @@
+"""Past paper 3: lines all over the workspace, of three joints and of seven."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fikm_drake.experiments.reproduce.frmrc.batch_tracking import (
+    BatchRun,
+    circles,
+    cubic_lines,
+    track,
+)
+from fikm_drake.experiments.reproduce.frmrc.laws import ALLOWED, PAPER, RMRC, SETTLED, THREE, laws
+from fikm_drake.experiments.reproduce.report import Cell, Section
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
+from fikm_drake.laws.law import Law
+
+Array = NDArray[np.float64]
+
+LINES, SEED = 300, 0
+SECONDS, RATE = 2.0, 50.0
+"""Of a line [s], [Hz]."""
+STARTS = [[0.5, 0.6, 0.6], [0.3, 0.9, -1.2], [1.0, -1.2, -0.8], [0.2, 1.4, 0.7], [-0.4, 1.0, 1.0]]
+"""Five bent postures of the 3-joint arm [rad]."""
+ENDS = [[-0.3, 0.7], [0.4, 0.8], [0.2, -0.6], [0.7, 0.2], [0.0, 0.9]]
+"""Where lines from them go [m]."""
+RADIUS = 0.2
+"""Of circles from them, which lie inward [m]."""
+LEAST = "3 sweeps, gain 1"
+ERROR_3, ERROR_7, TRAVEL = 1.7, 2.2, 1.15
+"""What we claim of three sweeps, times the pseudo-inverse: error (90th percentile) and travel."""
+
+
+def starts() -> Section:
+    """Lines and three circles from five bent postures of the 3-joint arm."""
+    arm = load_arm("kim_lee3r")
+    tool = arm.forward_kinematics(STARTS)[:, :2, 3]
+    cycles = round(SECONDS * RATE)
+    centres = tool * (1.0 - RADIUS / np.linalg.norm(tool, axis=1, keepdims=True))
+    paths = {
+        "line": cubic_lines(tool, np.array(ENDS), cycles),
+        "circle": circles(tool, centres, 3, cycles),
+    }
+    cells = []
+    for path, targets in paths.items():
+        runs = {name: track(law, arm, STARTS, targets) for name, law in laws(arm, "xy").items()}
+        reference = runs.pop(RMRC)
+        for name, run in runs.items():
+            ratio = run.error.max(axis=0) / reference.error.max(axis=0)
+            text = f"{ratio.max():.2f} / {np.median(ratio):.2f}"
+            most = ALLOWED[path].get(name)
+            claim = None if most is None else bool(ratio.max() <= most)
+            cells.append(Cell(f"{path}, {name}: worst / median [-]", None, text, claim))
+        for name, run in runs.items():
+            rest = 1000 * float(run.error[-1].max())
+            claim = None if name == PAPER else rest < SETTLED
+            cells.append(Cell(f"{path}, {name}: error at the end, worst [mm]", "0", rest, claim))
+    return Section(
+        "starts",
+        "max error over the pseudo-inverse's, lines and three cycles from five bent postures at 50 Hz",
+        cells,
+    )
+
+
+def lines() -> Section:
+    """Random lines, each from one random posture's tool position to another's."""
+    cells = []
+    for name, most in (
+        ("kim_lee3r", {THREE: (ERROR_3, TRAVEL)}),
+        ("iiwa14", {THREE: (ERROR_7, TRAVEL)}),
+        ("arm7", {LEAST: (ERROR_7, TRAVEL)}),
+        ("panda", {}),
+    ):
+        arm = load_arm(name)
+        task = "xy" if arm.num_joints == 3 else "position"
+        found: dict[str, Law] = {**laws(arm, task), LEAST: FuzzyRateControl(sweeps=3, gain=1.0)}
+        postures, targets = random_lines(arm, 2 if task == "xy" else 3)
+        runs = {key: track(law, arm, postures, targets) for key, law in found.items()}
+        reference = runs.pop(RMRC)
+        cells += [_cell(name, key, run, reference, most.get(key)) for key, run in runs.items()]
+    notes = [
+        f"Of {SECONDS:g} s at {RATE:g} Hz with the cubic profile, each between the tool positions of two",
+        "random postures, limits ignored on the way: many pass by singular postures, where the",
+        "pseudo-inverse turns the joints fast and the fuzzy laws are late instead.",
+        "Each: max error over the pseudo-inverse's (median / 90th percentile); travel of the joints on all",
+        "lines over its; lines that are within 0.01 mm 50 cycles after the end.",
+    ]
+    return Section("lines", f"{LINES} random lines", cells, notes)
+
+
+def random_lines(arm: DhArm, rows: int) -> tuple[Array, Array]:
+    """Start postures (N,n) [rad] and targets (T,N,rows) [m]."""
+    rng = np.random.default_rng(SEED)
+    lower, upper = np.maximum(arm.lower, -np.pi), np.minimum(arm.upper, np.pi)
+    postures, others = rng.uniform(lower, upper, (2, LINES, arm.num_joints))
+    tool, end = (arm.forward_kinematics(q)[:, :rows, 3] for q in (postures, others))
+    return postures, cubic_lines(tool, end, round(SECONDS * RATE))
+
+
+def _cell(
+    arm: str,
+    key: str,
+    run: BatchRun,
+    reference: BatchRun,
+    most: tuple[float, float] | None,
+) -> Cell:
+    error = run.error.max(axis=0) / reference.error.max(axis=0)
+    middle, high = np.percentile(error, [50, 90])
+    travel = float(run.travel.sum() / reference.travel.sum())
+    ended = 100 * np.mean(1000 * run.error[-1] < SETTLED)
+    claim = None if most is None else bool(high <= most[0] and travel <= most[1])
+    text = f"{middle:5.2f} / {high:5.2f}, travel {travel:.2f}, {ended:3.0f} %"
+    return Cell(f"{arm}, {key}", None, text, claim)

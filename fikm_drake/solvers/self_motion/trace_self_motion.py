@@ -1,0 +1,221 @@
+"""The self-motion of an arm with one spare degree of freedom, traced within its limits."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+
+from fikm_drake.checks import check_counts, check_number
+from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
+from fikm_drake.solvers.self_motion.events import turning_point
+from fikm_drake.solvers.self_motion.interval_table import FULL_TURN, TURNING_POINT
+from fikm_drake.solvers.self_motion.loops import (
+    Piece,
+    arrive,
+    both_ways,
+    dense,
+    free_line,
+    seeds,
+)
+from fikm_drake.solvers.self_motion.polyline import arc_lengths, is_on
+from fikm_drake.solvers.self_motion.self_motion import (
+    SelfMotion,
+    SelfMotionComponent,
+    SelfMotionStatus,
+)
+from fikm_drake.solvers.self_motion.spare_task import SpareTask
+from fikm_drake.solvers.self_motion.walk import AT_LIMIT, CLOSED, SINGULAR, TOO_LONG, Walls
+
+Array = NDArray[np.float64]
+MAX_STEP = 0.2
+"""[rad or m]."""
+SEARCHES = 6
+"""Random postures for each joint that must lead to a known curve before the search ends."""
+NOISE = 1e-9
+"""Motion of a joint that does not move, of the tangent's length."""
+
+
+def trace_self_motion(
+    arm_or_plant: DhArm | MultibodyPlant,
+    q_or_target: ArrayLike | RigidTransform,
+    task: str | Task = "position",
+    *,
+    frame: str = "tool",
+) -> SelfMotion:
+    """All motions that hold the tool at a target while every joint is within its limits.
+
+    For an arm with one degree of freedom more than the task fixes they are curves in the space of
+    its joints. Each is traced by a predictor along the null vector of the Jacobian and a corrector,
+    and ends exactly on the limit that it meets first, by Newton's method on the target and the limit
+    together.
+
+        motion = fd.trace_self_motion(fd.load_arm("iiwa14"), q, "pose")
+        motion.components[0].ends  # such as ("joint 2 lower", "joint 6 upper")
+
+    To trace many targets of one arm, make a `SelfMotionTracer` and keep it.
+
+    Args:
+        arm_or_plant: the arm, or a finalized MultibodyPlant.
+        q_or_target: n joint positions [rad or m], whose target is where the tool is then; or a
+            target in the world frame: the coordinates that count [m], a pose (4,4) or a
+            RigidTransform. A vector of n numbers is taken for joint positions.
+        task: what the target fixes; it must leave one degree of freedom. A planar arm with three
+            joints has `xy`, one with four has `pose`, a spatial one with seven has `pose`.
+        frame: name of the tool's frame in a plant.
+
+    Returns:
+        The components, first the one that `q` is on if it is within the limits; `SelfMotion.status`
+        tells what is missing. Where the range of a joint is a whole turn or more, components other
+        than the first are sought from the postures nearest to the middle of its range.
+
+    Raises:
+        ValueError: the task leaves none or more than one degree of freedom; a bad plant, frame,
+            task, posture or target.
+    """
+    return SelfMotionTracer(arm_or_plant, task, frame=frame).trace(q_or_target)
+
+
+class SelfMotionTracer:
+    """Traces self-motions of one arm with one task; see `trace_self_motion`.
+
+    All curves that hold the target are found from random postures and traced without limits first;
+    so no piece within the limits is missed because it is small. Not for several threads at once.
+
+    Args:
+        arm_or_plant: the arm, or a finalized MultibodyPlant.
+        task: what a target fixes.
+        frame: name of the tool's frame in a plant.
+        searches: random postures in a row that must lead to a known curve before the search ends;
+            None: 6 for each joint that moves the tool, 18 for a planar 3R, 42 for a 7-joint arm.
+        max_step: longest step along a curve [rad or m].
+        seed: of the random postures.
+
+    Raises:
+        ValueError: naming the bad value and the valid ones.
+    """
+
+    def __init__(
+        self,
+        arm_or_plant: DhArm | MultibodyPlant,
+        task: str | Task = "position",
+        *,
+        frame: str = "tool",
+        searches: int | None = None,
+        max_step: float = MAX_STEP,
+        seed: int = 0,
+    ) -> None:
+        if searches is not None:
+            check_counts(searches=searches)
+        check_counts(0, seed=seed)
+        check_number("max_step", max_step, "in (0, 0.5] [rad or m]", lambda x: 0.0 < x <= 0.5)
+        self._task = SpareTask(arm_or_plant, task, frame)
+        self._searches = searches or SEARCHES * len(self._task.moving)
+        self._max_step, self._seed = max_step, seed
+        endless = np.isinf(self._task.lower) & np.isinf(self._task.upper)
+        self._walls = Walls(self._task.lower, self._task.upper, self._task.revolute & endless)
+
+    @property
+    def task(self) -> Task:
+        """What a target fixes."""
+        return self._task.task
+
+    def trace(self, q_or_target: ArrayLike | RigidTransform) -> SelfMotion:
+        """The self-motion at a posture's or at a given target; see `trace_self_motion`."""
+        task = self._task
+        q, target = self._posture_and_target(q_or_target)
+        curve = SelfMotionCurve(task, target, task.default_position if q is None else q)
+        first = None if q is None else curve.point(q[task.moving])
+        lines = self._free_lines(curve, first)
+        starts = [seed for line, closed in lines for seed in seeds(curve, line, closed)]
+        if first and _is_inside(task, first.q):
+            starts.insert(0, first)
+        pieces: list[Piece] = []
+        traced: list[Array] = []
+        for start in starts:
+            if not any(is_on(line, start.q, self._walls.periodic) for line in traced):
+                pieces.append(both_ways(curve, start, self._walls, self._max_step))
+                traced.append(dense(pieces[-1]))
+        return SelfMotion(_status(bool(lines), pieces), [_component(curve, p) for p in pieces])
+
+    def _posture_and_target(
+        self, q_or_target: ArrayLike | RigidTransform
+    ) -> tuple[Array | None, RigidTransform]:
+        if not isinstance(q_or_target, RigidTransform):
+            q = np.asarray(q_or_target, dtype=float)
+            if q.shape == (self._task.num_joints,):
+                if not np.isfinite(q).all():
+                    raise ValueError(f"joint positions must be finite, got {q}")
+                return q, self._task.pose(q)
+        return None, self._task.target(q_or_target)
+
+    def _free_lines(
+        self, curve: SelfMotionCurve, first: CurvePoint | None
+    ) -> list[tuple[Array, bool]]:
+        """The curves that hold the target without limits, as dense polylines; whether each closes."""
+        task = self._task
+        rng = np.random.default_rng(self._seed)
+        lines = [] if first is None else [free_line(curve, first, self._max_step)]
+        known = 0
+        while known < self._searches:
+            point = arrive(curve, rng.uniform(*task.search_range))
+            known += 1
+            if point and not any(is_on(line, point.q, task.revolute) for line, _ in lines):
+                lines.append(free_line(curve, point, self._max_step))
+                known = 0
+        return lines
+
+
+def _is_inside(task: SpareTask, q: Array) -> bool:
+    return bool(((q >= task.lower - AT_LIMIT) & (q <= task.upper + AT_LIMIT)).all())
+
+
+def _status(reachable: bool, pieces: list[Piece]) -> SelfMotionStatus:
+    if any(end in (SINGULAR, TOO_LONG) for piece in pieces for end in piece.ends):
+        return SelfMotionStatus.INCOMPLETE
+    if pieces:
+        return SelfMotionStatus.TRACED
+    return SelfMotionStatus.INFEASIBLE if reachable else SelfMotionStatus.UNREACHABLE
+
+
+def _component(curve: SelfMotionCurve, piece: Piece) -> SelfMotionComponent:
+    task = curve.task
+    lower, upper = curve.start.copy(), curve.start.copy()
+    ends = [[TURNING_POINT] * task.num_joints for _ in range(2)]
+    for i, joint in enumerate(task.moving.tolist()):
+        for side, bounds in enumerate((lower, upper)):
+            bounds[joint], ends[side][joint] = _extent(curve, piece, i, 2 * side - 1)
+    return SelfMotionComponent(
+        task.full(piece.q, curve.start),
+        task.full(piece.tangents, np.zeros(task.num_joints)),
+        arc_lengths(piece.q, piece.tangents),
+        piece.ends,
+        lower,
+        upper,
+        tuple(ends[0]),
+        tuple(ends[1]),
+        curve,
+    )
+
+
+def _extent(curve: SelfMotionCurve, piece: Piece, joint: int, sign: int) -> tuple[float, str]:
+    """The least (`sign` −1) or greatest (1) position of a joint, and what keeps it from going on."""
+    q, rate = sign * piece.q[:, joint], sign * piece.tangents[:, joint]
+    best = int(np.argmax(q))
+    value, end = float(q[best]), TURNING_POINT
+    if best in (0, len(q) - 1):
+        end = piece.ends[0 if best == 0 else 1]
+        if end == CLOSED:
+            turned = abs(q[-1] - q[0]) > 1.0
+            end = FULL_TURN if turned else TURNING_POINT
+    # Between two points a joint may go a little further than at either.
+    step = np.linalg.norm(np.diff(piece.q, axis=0), axis=1)
+    hump = (rate[:-1] > NOISE) & (rate[1:] < -NOISE)
+    reach = np.maximum(q[:-1], q[1:]) + step * np.minimum(rate[:-1], -rate[1:])
+    for i in np.flatnonzero(hump & (reach > value)).tolist():
+        here, there = (CurvePoint(piece.q[k], piece.tangents[k]) for k in (i, i + 1))
+        top = float(sign * turning_point(curve, here, there, joint).q[joint])
+        if top > value:
+            value, end = top, TURNING_POINT
+    return sign * value, end

@@ -1,0 +1,1 @@
+"""Paper 5: a workplane, its measured table and its inverses."""

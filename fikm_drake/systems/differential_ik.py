@@ -1,0 +1,120 @@
+"""The differential-IK block: a task error in, a joint step out."""
+
+from collections.abc import Sequence
+from math import inf
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from fikm_drake.control.steps import all_finite
+from fikm_drake.kinematics.task import Task
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.law import Law, takes_damping
+from fikm_drake.systems.safe_steps import make_safe_step
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.systems.valid_port import declare_valid_port
+
+MOST_DAMPING = 1e154
+"""Beyond this a number counts as not finite, since its square is not."""
+
+
+class DifferentialIk(LeafSystem):
+    """Differential inverse kinematics by the fuzzy mapping.
+
+    .. pydrake_system::
+
+        name: DifferentialIk
+        input_ports:
+        - task_error
+        - position
+        - guard
+        - damping
+        output_ports:
+        - joint_step
+        - valid
+
+    - **task_error** (m) [m]: as of `TaskError`, amplified and filtered as the user likes.
+    - **position** (n) [rad or m]: the joints.
+    - **guard**, only if `guarded`: the target, as of `TaskError`, which must be finite too; else the
+      filters before `task_error` would let the arm coast after the target is lost.
+    - **damping** (1) [-], only if `damped`: as of `GainSupervisor`, for a law that takes it.
+    - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
+    - **valid** (1): 1 while every input is finite, else 0.
+
+    Args:
+        plant: a finalized plant; it is not copied.
+        law: the mapping (J, dr) to a joint step; by default the paper's.
+        frame: name of the tool's frame.
+        task: the coordinates that count, see `Task`.
+        guarded: whether there is the port `guard`.
+        damped: whether there is the port `damping`; the law must take it, see `Law`.
+        max_joint_step: a longer joint step is shortened to this length [rad or m].
+        limit_margin: distance from a joint limit within which a joint that moves toward it counts less
+            [rad or m], see `control.limit_weights`; 0: limits are not seen.
+        posture_gain: fraction of the way to the nominal posture that a cycle takes, as far as the
+            task leaves the joints free [-].
+        nominal_position: that posture (n) [rad or m]; empty: the middle of the joint limits.
+        singularity_nudge: joint motion aside at a dead point, over the length of `task_error` [rad/m], see
+            `control.safe_step`; 0: the arm stays there.
+
+    Raises:
+        ValueError: naming the bad value; see `ToolKinematics` and `Task` too.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        *,
+        law: Law | None = None,
+        frame: str = "tool",
+        task: str | Task = "position",
+        guarded: bool = False,
+        damped: bool = False,
+        max_joint_step: float = inf,
+        limit_margin: float = 0.0,
+        posture_gain: float = 0.0,
+        nominal_position: Sequence[float] = (),
+        singularity_nudge: float = 0.0,
+    ) -> None:
+        super().__init__()
+        self._kinematics = make_tool_kinematics(plant, frame, task)
+        law = law or FuzzyMapping()
+        if damped and not takes_damping(law):
+            raise ValueError(f"damped needs a law that takes damping, {law!r} does not")
+        self._safe_step = make_safe_step(
+            self._kinematics,
+            law,
+            max_joint_step=max_joint_step,
+            limit_margin=limit_margin,
+            posture_gain=posture_gain,
+            nominal_position=nominal_position,
+            singularity_nudge=singularity_nudge,
+        )
+        n = self._kinematics.num_joints
+        self._hold = np.zeros(n)
+        m = self._kinematics.task.size
+        self._error = self.DeclareVectorInputPort("task_error", m).Eval
+        self._position = self.DeclareVectorInputPort("position", n).Eval
+        self._guard = None
+        if guarded:
+            self._guard = self._kinematics.declare_desired(self, "guard").Eval
+        self._damping = self.DeclareVectorInputPort("damping", 1).Eval if damped else None
+        self.DeclareVectorOutputPort(
+            "joint_step",
+            n,
+            self._calc_step,
+            prerequisites_of_calc={self.all_input_ports_ticket()},
+        )
+        declare_valid_port(self)
+
+    def _calc_step(self, context: Context, output: BasicVector) -> None:
+        error = self._error(context)
+        damping = float(self._damping(context)[0]) if self._damping else None
+        lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
+        lost = lost or (damping is not None and not abs(damping) < MOST_DAMPING)
+        if lost or not all_finite(error):
+            output.set_value(self._hold)
+            return
+        q = self._position(context)
+        output.set_value(self._safe_step(q, self._kinematics.jacobian(q), error, damping))

@@ -1,0 +1,124 @@
+"""The block that leaves dead points and local minima."""
+
+from math import isfinite
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+
+from fikm_drake.checks import check_positive
+from fikm_drake.control.restart_search import RestartSearch
+from fikm_drake.control.steps import all_finite, length
+from fikm_drake.kinematics.task import Task
+from fikm_drake.systems.checks import check_period
+from fikm_drake.systems.tool_kinematics import ToolKinematics
+from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.systems.valid_port import declare_valid_port
+
+
+class RestartPlanner(LeafSystem):
+    """Takes the joints to another posture where a law rests before its target, see `RestartSearch`.
+
+    .. pydrake_system::
+
+        name: RestartPlanner
+        input_ports:
+        - desired_position
+        - position
+        - law_step
+        output_ports:
+        - joint_step
+        - restart_search
+        - valid
+
+    - **desired_position** (m) [m]: as of `TaskError`; for tasks with orientation **desired_pose**.
+    - **position** (n) [rad or m]: the joints.
+    - **law_step** (n) [rad or m]: the law's joint step of this cycle, as of `DifferentialIk`.
+    - **joint_step** (n) [rad or m]: that step, or on a restart search the one to the posture that was found;
+      zeros while an input is not finite.
+    - **restart_search** (1): a `RestartState`, from the state.
+    - **valid** (1): 1 while every input is finite, else 0; then the restart search is given up.
+
+    Args:
+        plant: a finalized plant; it is not copied.
+        period: of the control cycle [s].
+        frame: name of the tool's frame.
+        task: the coordinates that count, see `Task`.
+        tolerance: a task error up to this is no reason for a restart search [m].
+        speed: of the fastest joint on a restart search [rad/s or m/s].
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        *,
+        period: float,
+        frame: str = "tool",
+        task: str | Task = "position",
+        tolerance: float = 1e-3,
+        speed: float = 1.5,
+    ) -> None:
+        super().__init__()
+        self._kinematics = make_tool_kinematics(plant, frame, task)
+        self._restart = make_restart_search(
+            self._kinematics, period=period, tolerance=tolerance, speed=speed
+        )
+        n = self._kinematics.num_joints
+        self._hold = np.zeros(n)
+        self._desired = self._kinematics.declare_desired(self).Eval
+        self._position = self.DeclareVectorInputPort("position", n).Eval
+        self._step = self.DeclareVectorInputPort("law_step", n).Eval
+        self.DeclareDiscreteState(self._restart.initial_memory())
+        self.DeclareVectorOutputPort(
+            "joint_step",
+            n,
+            self._calc_step,
+            prerequisites_of_calc={self.all_input_ports_ticket(), self.xd_ticket()},
+        )
+        self.DeclareVectorOutputPort(
+            "restart_search", 1, self._calc_restart, prerequisites_of_calc={self.xd_ticket()}
+        )
+        declare_valid_port(self)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _calc_step(self, context: Context, output: BasicVector) -> None:
+        memory = context.get_discrete_state_vector().value()
+        q, step = self._position(context), self._step(context)
+        finite = all_finite(q) and all_finite(step)
+        if finite and self._kinematics.is_finite(self._desired(context)):
+            output.set_value(self._restart.step(memory, q, step))
+        else:
+            output.set_value(self._hold)
+
+    def _calc_restart(self, context: Context, output: BasicVector) -> None:
+        output[0] = self._restart.state(context.get_discrete_state_vector().value())
+
+    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
+        memory = discrete_state.get_mutable_value()  # holds the present state until it is written
+        desired, q, step = self._desired(context), self._position(context), self._step(context)
+        error = length(self._kinematics.error(desired, q))
+        if isfinite(error) and all_finite(step):
+            self._restart.remember(memory, desired, q, error)
+        else:
+            memory[:] = self._restart.initial_memory()
+
+
+def make_restart_search(
+    kinematics: ToolKinematics, *, period: float, tolerance: float, speed: float
+) -> RestartSearch:
+    """The restart search of a plant's arm; the arguments are those of `RestartPlanner`.
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+    return RestartSearch(
+        kinematics.error_and_jacobian,
+        kinematics.task.size,
+        lower=kinematics.lower,
+        upper=kinematics.upper,
+        tolerance=check_positive("tolerance", tolerance),
+        pace=check_positive("speed", speed) * check_period(period),
+    )
