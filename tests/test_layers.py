@@ -18,6 +18,7 @@ LAYERS = [
     "kinematics",
     "fuzzy",
     "checks",
+    "arrays",
     "resources",
 ]
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts, check_finite, check_not_negative, check_number
 from fikm_drake.control.sign_changes import SignChanges, check_sign_changes
 
 REGROWTH = 1.02
 """The fraction of recovery grows by this a cycle of calm at a gain of 1: 35 make up for a halving."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass

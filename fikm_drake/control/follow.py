@@ -1,9 +1,8 @@
 """A point that follows another at limited speed and acceleration."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 
 def follow(

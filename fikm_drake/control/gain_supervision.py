@@ -3,8 +3,8 @@
 from math import inf, isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain_rules
 from fikm_drake.control.steps import length
@@ -29,8 +29,6 @@ PROGRESS = 0.01
 
 TARGET_MOVED = 10.0
 """An error that changes by more than this times the joint motion was changed by the target [m/rad]."""
-
-Array = NDArray[np.float64]
 
 
 class GainSupervision:

@@ -3,9 +3,9 @@
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 
 class JointLimits:

@@ -1,12 +1,10 @@
 """Fuzzy weights of the joints near their limits."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
-
-Array = NDArray[np.float64]
 
 
 def limit_rules() -> RuleBase:

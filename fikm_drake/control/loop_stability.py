@@ -11,11 +11,10 @@ which is stable for 0 < λK < 2 (1 + s) / (1 − s): 2 without the filter, 10 wi
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.laws.law import Law
-
-Array = NDArray[np.float64]
 
 
 def largest_stable_gain(smoothing: float, *, delay: int = 0) -> float:

@@ -1,9 +1,8 @@
 """A posture that a redundant arm prefers, kept where the task leaves it free."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 DAMPING = 1e-6
 """Of the projection, relative to the largest it can be: it stays finite at singular postures."""

@@ -6,14 +6,13 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
-Array = NDArray[np.float64]
 ErrorAndJacobian = Callable[[Any, Array], tuple[Array, Array]]
 
 AT_REST = 0.01

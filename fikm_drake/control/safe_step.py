@@ -4,14 +4,11 @@ from functools import cache
 from math import inf, isfinite, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.laws.law import Law
-
-Array = NDArray[np.float64]
-
 
 DEAD = 1e-3
 """A law whose step is shorter than this times the error sees no way [rad/m]."""

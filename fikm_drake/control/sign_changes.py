@@ -1,11 +1,9 @@
 """How often each element of a vector changes its sign, over the last cycles."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
-
-Array = NDArray[np.float64]
 
 
 class SignChanges:

@@ -3,10 +3,8 @@
 from math import isfinite, sqrt
 from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from fikm_drake.arrays import Array
 
-Array = NDArray[np.float64]
 Signal = TypeVar("Signal", float, Array)
 
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from math import nan
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finite
 from fikm_drake.fuzzy.membership_stack import MembershipStack
 from fikm_drake.fuzzy.memberships import Membership, Triangle
@@ -67,7 +68,7 @@ class FuzzyVariable:
         """Name and unit, such as `x [m]`."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
 
-    def grades(self, x: ArrayLike) -> NDArray[np.float64]:
+    def grades(self, x: ArrayLike) -> Array:
         """Grades of all memberships, in the order of `labels`.
 
         Args:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.memberships import (
     Gaussian,
     Membership,
@@ -12,8 +12,6 @@ from fikm_drake.fuzzy.memberships import (
     trapezoid_edges,
     trapezoid_grades,
 )
-
-Array = NDArray[np.float64]
 
 
 class MembershipStack:

@@ -6,11 +6,10 @@ from dataclasses import astuple, dataclass, fields
 from math import nan
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finite
-
-Array = NDArray[np.float64]
 
 
 @dataclass

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.text_table import aligned
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
@@ -68,7 +69,7 @@ class RuleBase:
         return self._second
 
     @property
-    def consequents(self) -> NDArray[np.float64]:
+    def consequents(self) -> Array:
         """Outputs of the rules, shape (n1, n2), read-only; rows follow the first input."""
         return self._consequents
 
@@ -87,7 +88,7 @@ class RuleBase:
         n1, n2 = self._consequents.shape
         return f"<{type(self).__name__} {z}({x}, {y}), {n1} x {n2} rules>"
 
-    def __call__(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def __call__(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Infers the output for arrays of inputs.
 
         Args:
@@ -143,7 +144,7 @@ class RuleBase:
 
     def _scaled_parts(
         self, first_factor: float, output_factor: float
-    ) -> tuple[TriangularPartition, TriangularPartition, NDArray[np.float64]]:
+    ) -> tuple[TriangularPartition, TriangularPartition, Array]:
         if not (math.isfinite(first_factor) and first_factor > 0.0):
             raise ValueError(f"first_factor must be finite and positive, got {first_factor}")
         if not math.isfinite(output_factor):

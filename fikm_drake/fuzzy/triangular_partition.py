@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
+
 
 def _letters(index: int) -> str:
     """Spreadsheet column name of a zero-based index: A, B, ..., Z, AA, AB, ..."""
@@ -67,7 +69,7 @@ class TriangularPartition:
         self._last = array.size - 1
 
     @property
-    def knots(self) -> NDArray[np.float64]:
+    def knots(self) -> Array:
         """Peaks of the memberships, shape (n,), read-only."""
         return self._knots
 
@@ -103,7 +105,7 @@ class TriangularPartition:
             return index, 1.0
         return index, fraction
 
-    def locate_array(self, x: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    def locate_array(self, x: ArrayLike) -> tuple[NDArray[np.intp], Array]:
         """Does what `locate` does for every element of an array, to the last bit.
 
         Args:
@@ -118,7 +120,7 @@ class TriangularPartition:
         left = knots[index]
         return index, np.clip((x - left) / (knots[index + 1] - left), 0.0, 1.0)
 
-    def grades(self, x: ArrayLike) -> NDArray[np.float64]:
+    def grades(self, x: ArrayLike) -> Array:
         """Grades of all memberships.
 
         Args:

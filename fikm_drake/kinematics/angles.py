@@ -1,9 +1,10 @@
 """Whole turns of angles, and the middle of limits."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 TURN = 2.0 * np.pi
 
 

@@ -1,11 +1,9 @@
 """How long the columns of a task Jacobian can get."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.task import Task
-
-Array = NDArray[np.float64]
 
 
 def column_reach(bounds: Array, task: Task) -> Array:

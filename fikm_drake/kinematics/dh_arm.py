@@ -3,14 +3,13 @@
 import copy
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_table import DhTable, DhTransform
 from fikm_drake.kinematics.jacobian_range import jacobian_range
 from fikm_drake.kinematics.transforms import rotation_x, rotation_z, translation
 from fikm_drake.kinematics.urdf import urdf
-
-Array = NDArray[np.float64]
 
 
 class DhArm:

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from math import hypot, inf, isinf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_table import DhJoint
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Planar arms with three revolute joints, in closed form."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-12
 """How far an axis may be from z, and how short a link is none [m]."""
 
@@ -94,7 +94,7 @@ class Planar3R:
         null = np.stack([from_3, -from_3 - from_2, a * b * np.sin(second) + from_2], axis=-1)
         return null * np.where(from_3 < 0.0, -1.0, 1.0)[..., None]
 
-    def is_inside(self, q: Array, slack: float = 0.0) -> NDArray[np.bool_]:
+    def is_inside(self, q: Array, slack: float = 0.0) -> Bools:
         """Which postures (…,3) are within the limits, give or take `slack` [rad]; NaN is not."""
         return np.all((q >= self.lower - slack) & (q <= self.upper + slack), axis=-1)
 

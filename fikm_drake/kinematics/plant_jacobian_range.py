@@ -1,11 +1,10 @@
 """Bounds of a tool's Jacobian for any arm in a MultibodyPlant."""
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, Joint
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 
 def plant_jacobian_range(plant: MultibodyPlant, frame: str | Frame = "tool") -> Array:

@@ -1,20 +1,22 @@
 """Homogeneous transforms of the Denavit-Hartenberg elements, vectorised over leading axes."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from fikm_drake.arrays import Array
 
 
-def rotation_x(angle: ArrayLike) -> NDArray[np.float64]:
+def rotation_x(angle: ArrayLike) -> Array:
     """Rotation about x by `angle` (…) [rad], as (…,4,4)."""
     return _rotation(angle, 1, 2)
 
 
-def rotation_z(angle: ArrayLike) -> NDArray[np.float64]:
+def rotation_z(angle: ArrayLike) -> Array:
     """Rotation about z by `angle` (…) [rad], as (…,4,4)."""
     return _rotation(angle, 0, 1)
 
 
-def translation(x: ArrayLike = 0.0, y: ArrayLike = 0.0, z: ArrayLike = 0.0) -> NDArray[np.float64]:
+def translation(x: ArrayLike = 0.0, y: ArrayLike = 0.0, z: ArrayLike = 0.0) -> Array:
     """Translation by (x, y, z), each (…) [m], as (…,4,4)."""
     x, y, z = np.broadcast_arrays(x, y, z)
     X = _identity(x.shape)
@@ -22,7 +24,7 @@ def translation(x: ArrayLike = 0.0, y: ArrayLike = 0.0, z: ArrayLike = 0.0) -> N
     return X
 
 
-def _rotation(angle: ArrayLike, row: int, column: int) -> NDArray[np.float64]:
+def _rotation(angle: ArrayLike, row: int, column: int) -> Array:
     angle = np.asarray(angle, dtype=float)
     X = _identity(angle.shape)
     X[..., row, row] = X[..., column, column] = np.cos(angle)
@@ -31,5 +33,5 @@ def _rotation(angle: ArrayLike, row: int, column: int) -> NDArray[np.float64]:
     return X
 
 
-def _identity(shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _identity(shape: tuple[int, ...]) -> Array:
     return np.broadcast_to(np.eye(4), (*shape, 4, 4)).copy()

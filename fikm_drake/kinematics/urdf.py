@@ -9,10 +9,11 @@ from collections.abc import Sequence
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
 from pydrake.multibody.tree import SpatialInertia
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_table import DhJoint
 
 DENSITY = 1000.0
@@ -25,8 +26,6 @@ EFFORT = 200.0
 """Effort limit of every joint [N m or N]."""
 COLOURS = ("0.93 0.93 0.90 1", "0.93 0.45 0.13 1")
 """Colours (rgba) of the bars and of the joints."""
-
-Array = NDArray[np.float64]
 
 
 def urdf(name: str, joints: Sequence[DhJoint], origins: Sequence[Array], tool: Array) -> str:

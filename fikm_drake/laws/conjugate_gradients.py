@@ -1,9 +1,9 @@
 """Conjugate gradients for damped least squares, vectorised over leading axes."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 TINY = 1e-200
 """Squares below this are zero: their quotients would be noise or infinite."""
 

@@ -1,12 +1,11 @@
 """Damped least squares, the strongest ordinary alternative."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.laws.law import as_arrays
-
-Array = NDArray[np.float64]
 
 
 class DampedLeastSquares:

@@ -4,8 +4,9 @@ from functools import cache
 from math import hypot, inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_below_one, check_counts, check_not_negative
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
@@ -13,8 +14,6 @@ from fikm_drake.laws.law import as_arrays
 from fikm_drake.laws.rule_generation.generate import generate_rule_base
 
 METHODS = ("indirect", "direct")
-
-Array = NDArray[np.float64]
 
 
 class FuzzyMapping:

@@ -5,8 +5,9 @@ from operator import mul
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts, check_number, check_positive_finite
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.kinematics.column_reach import column_reach
@@ -19,8 +20,6 @@ LEAST = 1e-6
 """The longest universe is at least this [m for each rad]: a tool on the only axis does not spin."""
 CHUNK = 2048
 """Cases that fit a core's cache."""
-
-Array = NDArray[np.float64]
 
 
 class FuzzyRateControl:

@@ -1,11 +1,10 @@
 """The Jacobian transpose with the step length that is best along it."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.laws.law import as_arrays
-
-Array = NDArray[np.float64]
 
 
 class JacobianTranspose:

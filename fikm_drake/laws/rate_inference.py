@@ -24,12 +24,11 @@ from collections.abc import Callable, Sequence
 from operator import mul
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
-Array = NDArray[np.float64]
 Many = Callable[[Array, Array, Array, float], Array]
 One = Callable[[Sequence[float], Sequence[float], float, float], float]
 

@@ -9,14 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics, tracking_metrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
 KINDS = {"oscillating": np.bool_, "status": np.int64}
 """Types of the series that are not float64."""
 FORMAT = "fikm_drake.TrackingLog/1"
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ class TrackingLog:
     """Desired minus actual (N,m) [m]."""
     gain: Array
     """K of Table I before its filter (N,) [-]."""
-    oscillating: NDArray[np.bool_]
+    oscillating: Bools
     """True where the supervisor saw a joint oscillate (N,)."""
     status: NDArray[np.int64]
     """`ControllerStatus` (N,)."""

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
@@ -97,7 +98,7 @@ class TrackingScenario:
         task = TASKS_BY_SIZE[len(self.waypoints[0])]
         return dataclasses.replace(self.config, task=task, control_rate=self.control_rate)
 
-    def start(self) -> NDArray[np.float64]:
+    def start(self) -> Array:
         """Joint positions (n,) at the start [rad or m]."""
         arm = self.load_arm()
         if self.initial_position is None:

@@ -3,15 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
-
-Array = NDArray[np.float64]
 
 
 class CommandSupervisor(LeafSystem):

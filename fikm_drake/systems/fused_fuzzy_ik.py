@@ -6,7 +6,7 @@ from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import (
     BasicVector,
@@ -15,6 +15,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import RestartState
@@ -26,8 +27,6 @@ from fikm_drake.systems.joint_integrator import check_position, set_command
 from fikm_drake.systems.restart_planner import make_restart_search
 from fikm_drake.systems.safe_steps import make_safe_step
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
-
-Array = NDArray[np.float64]
 
 
 class _Cycle(NamedTuple):

@@ -3,10 +3,9 @@
 from collections.abc import Callable
 from math import inf
 
-import numpy as np
-from numpy.typing import NDArray
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.control.gain_supervision import MAX_JOINTS, GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
@@ -88,7 +87,7 @@ class GainSupervisor(LeafSystem):
         memory = context.get_discrete_state_vector().value()
         output[0] = self._supervision.gain(memory, length(self._error(context)))
 
-    def _declare(self, name: str, read: Callable[[NDArray[np.float64]], float]) -> None:
+    def _declare(self, name: str, read: Callable[[Array], float]) -> None:
         """An output that is read from the memory."""
 
         def calc(context: Context, output: BasicVector) -> None:

@@ -3,15 +3,14 @@
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
-
-Array = NDArray[np.float64]
 
 
 class JointIntegrator(LeafSystem):

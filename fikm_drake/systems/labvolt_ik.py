@@ -1,7 +1,7 @@
 """The block that solves the LabVolt 5250's inverse kinematics."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.common.value import Value
 from pydrake.systems.framework import (
     BasicVector,
@@ -11,6 +11,7 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.labvolt.follow import follow
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
@@ -20,8 +21,6 @@ from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, check_tolerance
 from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
-
-Array = NDArray[np.float64]
 
 
 class LabVoltIk(LeafSystem):

@@ -4,17 +4,16 @@ import threading
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import InputPort, LeafSystem
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
 
-Array = NDArray[np.float64]
 VELOCITY = JacobianWrtVariable.kV
 ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 

@@ -3,18 +3,16 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import InputPort, LeafSystem
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
 from fikm_drake.kinematics.task import Task
 from fikm_drake.systems.tool_kinematics import ORIGIN, VELOCITY, ToolKinematics
 from fikm_drake.systems.valid_port import is_finite
-
-Array = NDArray[np.float64]
 
 
 class ToolPoseKinematics(ToolKinematics):

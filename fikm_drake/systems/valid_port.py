@@ -1,14 +1,14 @@
 """The `valid` port that blocks share."""
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, OutputPort
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.steps import all_finite
 
 
-def is_finite(value: NDArray[np.float64] | RigidTransform) -> bool:
+def is_finite(value: Array | RigidTransform) -> bool:
     """True if no number of a port's vector or pose is NaN or infinite."""
     if isinstance(value, RigidTransform):
         return bool(np.isfinite(value.GetAsMatrix34()).all())

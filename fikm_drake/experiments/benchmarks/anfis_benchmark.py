@@ -8,8 +8,8 @@ from importlib.util import find_spec
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.samples import (
     exact,
@@ -24,7 +24,6 @@ from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
-Array = NDArray[np.float64]
 OURS, PEER = "fd.Anfis", "anfis-toolbox"
 EPOCHS = 3
 """Of a round: training costs the same in each."""

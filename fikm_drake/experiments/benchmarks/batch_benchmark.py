@@ -10,8 +10,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.batch.rotation_error import rotation_error
@@ -27,7 +27,6 @@ PEER = "roboticstoolbox ik_LM"
 PEER_DAMPING = 0.1
 """Its parameter k, the fastest of 1 (its default), 0.1 and 0.01."""
 
-Array = NDArray[np.float64]
 Solver = Callable[[Array], tuple[Array, Array]]
 
 

@@ -7,13 +7,13 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.multibody.inverse_kinematics import (
     DifferentialInverseKinematicsParameters,
     DoDifferentialInverseKinematics,
 )
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.interleaved import interleaved
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
@@ -33,8 +33,6 @@ FUZZY, DRAKE = "fuzzy mapping", "Drake DoDifferentialInverseKinematics"
 CALLS = 100
 PERIOD = 0.01
 """[s]"""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

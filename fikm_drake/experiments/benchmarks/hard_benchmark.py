@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 from pydrake.multibody.inverse_kinematics import (
     DifferentialInverseKinematicsParameters,
@@ -14,6 +13,7 @@ from pydrake.multibody.inverse_kinematics import (
     DoDifferentialInverseKinematics,
 )
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -29,7 +29,6 @@ LAST = 50
 OUT_OF_REACH = {"planar4": ([0.0, 2.0], 0.5), "arm7": ([2.0, 0.0, 0.0], 1.0)}
 """Targets by arm, from its stretched or its zero posture, and their distance from its reach [m]."""
 
-Array = NDArray[np.float64]
 Loop = Callable[[TrackingScenario], Array]
 
 

@@ -8,8 +8,8 @@ from math import atan2, hypot
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.labvolt.peers import (
     Solver,
     drake_inverse_kinematics,
@@ -24,7 +24,6 @@ from fikm_drake.solvers.labvolt.solve import solve
 from fikm_drake.solvers.labvolt.targets import random_targets
 from fikm_drake.systems.labvolt_ik import LabVoltIk
 
-Array = NDArray[np.float64]
 REACHED = 1e-6
 """Counts as solved, for the peers' sake [m]; ours is within 1e-9."""
 BATCH, SINGLE = 20_000, 200

@@ -10,8 +10,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.fuzzy_variable import NOT
 from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 
@@ -22,7 +22,6 @@ CASES = (("maximum", "centroid"), ("maximum", "mean_of_maximum"), ("sum", "mean_
 """Aggregation and defuzzification; the last is the paper's, of which the peer has no sum."""
 PEER_METHODS = {"centroid": "centroid", "mean_of_maximum": "mom"}
 
-Array = NDArray[np.float64]
 Evaluate = Callable[[Array], Array]
 
 

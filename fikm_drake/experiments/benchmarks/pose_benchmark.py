@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 
+from fikm_drake.arrays import Array
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose, is_near
 from fikm_drake.experiments.benchmarks.pose_peers import Run, advance, pose_peers
@@ -33,8 +33,6 @@ SHOULDER = np.array([0.0, 0.0, 0.36])
 """Of the iiwa14 in its base frame [m]."""
 REACH = 0.42 + 0.40 + 0.126
 """Of the iiwa14's tool from its shoulder [m]."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,15 @@
 """When a pose counts as reached."""
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RotationMatrix
+
+from fikm_drake.arrays import Array
 
 TOLERANCE = (1e-3, 0.01)
 """Of position [m] and rotation [rad]."""
 
 
-def as_pose(T: NDArray[np.float64]) -> RigidTransform:
+def as_pose(T: Array) -> RigidTransform:
     """A homogeneous matrix (4,4) as Drake's pose."""
     return RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
 

@@ -5,7 +5,6 @@ from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.inverse_kinematics import (
@@ -15,6 +14,7 @@ from pydrake.multibody.inverse_kinematics import (
 )
 from pydrake.systems.analysis import Simulator
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.drake_differential_ik import (
     desired_pose,
     drake_differential_ik,
@@ -22,7 +22,6 @@ from fikm_drake.experiments.benchmarks.drake_differential_ik import (
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.dh_arm import DhArm
 
-Array = NDArray[np.float64]
 Run = Callable[[RigidTransform, float], Array]
 """A desired pose and seconds to the joint positions (N,n) after each cycle, from the start."""
 

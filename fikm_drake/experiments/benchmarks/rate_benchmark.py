@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -20,8 +20,6 @@ TASKS = (("kim_lee3r", "xy"), ("iiwa14", "position"), ("iiwa14", "pose"))
 CASES, STEPS = 10_000, 200
 """Jacobians in a batch, and one by one."""
 PINV = "pseudo-inverse"
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

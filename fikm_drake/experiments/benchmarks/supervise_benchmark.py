@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import DifferentialInverseKinematicsController
 from pydrake.systems.analysis import Simulator
 
+from fikm_drake.arrays import Array
 from fikm_drake.diagrams.supervised_differential_ik import SupervisedDifferentialIk
 from fikm_drake.experiments.benchmarks.drake_differential_ik import (
     desired_pose,
@@ -35,7 +35,6 @@ MOVING = 1e-6
 """A reversal is of a joint that is about this fast or faster [rad/s]."""
 BEFORE, AFTER = "Drake's controller", "supervised"
 
-Array = NDArray[np.float64]
 Poses = list[RigidTransform]
 Run = Callable[[Poses], Array]
 

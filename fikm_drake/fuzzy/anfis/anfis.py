@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
 from fikm_drake.fuzzy.anfis.checks import checked_inputs, checked_rows
 from fikm_drake.fuzzy.anfis.input_scale import InputScale
@@ -19,7 +20,6 @@ from fikm_drake.fuzzy.anfis.readable_rules import readable_rules
 from fikm_drake.fuzzy.anfis.training import METHODS, first_networks
 from fikm_drake.resources import load_yaml
 
-Array = NDArray[np.float64]
 RIDGE = 1e-12
 BLOCK = 1 << 16
 """Intermediate numbers of a prediction that are held at a time, so that they stay in the cache."""

@@ -1,9 +1,9 @@
 """Checks of an ANFIS's data."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 
 def checked_inputs(name: str, X: ArrayLike, dimensions: int) -> Array:

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 HELD = 1.1
 """Scaled inputs are held within this: a little beyond the data the rules still hold, far away they do not."""
 

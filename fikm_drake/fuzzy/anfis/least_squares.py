@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.network import Network
 
-Array = NDArray[np.float64]
 BLOCK = 1 << 20
 """Numbers of the matrix that are held at a time: 8 MB."""
 

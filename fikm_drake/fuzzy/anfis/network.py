@@ -6,11 +6,9 @@ Arrays run over the N values last (structure of arrays), so that numpy works on 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.membership_kinds import MembershipKind
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.input_scale import InputScale
-from fikm_drake.fuzzy.anfis.network import Array, Network
+from fikm_drake.fuzzy.anfis.network import Network
 
 
 def readable_rules(

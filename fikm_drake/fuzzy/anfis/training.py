@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.network import Network
 
-Array = NDArray[np.float64]
 FIRST_STEP = 0.05
 """Length of the first gradient step in the premise parameters [-]."""
 LONGER, SHORTER = 1.1, 0.9

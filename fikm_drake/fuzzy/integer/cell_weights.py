@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.integer.integer_partition import IntegerPartition
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
@@ -13,7 +14,7 @@ def cell_weights(
     second: IntegerPartition,
     points: ArrayLike,
     conjunction: Conjunction,
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+) -> tuple[NDArray[np.intp], Array]:
     """The four rules that hold at each point, and their weights ω / Σ ω without rounding.
 
     Args:
@@ -44,7 +45,7 @@ def interpolate(
     values: ArrayLike,
     points: ArrayLike,
     conjunction: Conjunction,
-) -> NDArray[np.float64]:
+) -> Array:
     """Equation 5 in floating point for singletons (n1, n2, outputs) at points (k, 2): (k, outputs)."""
     rules, weights = cell_weights(first, second, points, conjunction)
     table = np.asarray(values, dtype=float)

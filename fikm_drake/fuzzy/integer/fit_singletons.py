@@ -1,8 +1,9 @@
 """Singletons from data by least squares."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.integer.cell_weights import cell_weights
 from fikm_drake.fuzzy.integer.integer_partition import IntegerPartition
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
@@ -14,7 +15,7 @@ def fit_singletons(
     points: ArrayLike,
     outputs: ArrayLike,
     conjunction: Conjunction,
-) -> NDArray[np.float64]:
+) -> Array:
     """The singletons whose inference is nearest to data in the sense of least squares.
 
     Args:

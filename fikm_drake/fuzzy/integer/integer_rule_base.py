@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Bools
 from fikm_drake.fuzzy.integer.integer_partition import (
     ROUNDINGS,
     IntegerPartition,
@@ -165,9 +166,7 @@ class IntegerRuleBase:
         )
         return outputs, not inside
 
-    def infer_batch(
-        self, x: ArrayLike, y: ArrayLike
-    ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    def infer_batch(self, x: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.int64], Bools]:
         """Infers the outputs of arrays of integers, as `infer` does.
 
         Args:

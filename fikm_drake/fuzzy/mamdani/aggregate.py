@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.membership_stack import MembershipStack
 from fikm_drake.fuzzy.memberships import Membership
-
-Array = NDArray[np.float64]
 
 FLANK = np.linspace(0.0, 1.0, 17)
 """Samples of a narrow flank, from foot to top: so that a narrow membership is not lost."""

@@ -1,14 +1,12 @@
 """From the strengths of the rules to one output."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani.aggregate import Aggregate
 from fikm_drake.fuzzy.mamdani.defuzzification import DEFUZZIFY
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
-
-Array = NDArray[np.float64]
 
 LEAST_STRENGTH = 1e-100
 """Of a rule that fires; what is less could underflow in an area."""

@@ -7,11 +7,9 @@ column is positive, to values (N,).
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.fuzzy.mamdani.aggregate import Aggregate, integral_weights
-
-Array = NDArray[np.float64]
 
 TIE = 1e-9
 """Heights within this fraction are equal; lengths under this fraction of the range are a point."""
@@ -83,7 +81,7 @@ def _top_of_sum(aggregate: Aggregate, strengths: Array) -> Array:
 
 
 def _centre(
-    aggregate: Aggregate, starts: Array, widths: Array, points: Array, on_top: NDArray[np.bool_]
+    aggregate: Aggregate, starts: Array, widths: Array, points: Array, on_top: Bools
 ) -> Array:
     """Centre of disjoint intervals; where all are mere points, the mean of the points on top."""
     lower, upper = aggregate.bounds

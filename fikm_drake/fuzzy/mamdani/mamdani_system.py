@@ -5,15 +5,14 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.fuzzy.mamdani.conclusion import Conclusion
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.mamdani.premises import Premises
 from fikm_drake.fuzzy.mamdani.rule_text import rule_grid, rule_lines, rule_table
-
-Array = NDArray[np.float64]
 
 CHUNK = 100_000
 """Numbers in the largest array of one pass over a batch: few enough for the cache."""
@@ -24,7 +23,7 @@ class Inference(NamedTuple):
 
     values: Array
     """Outputs, shape (..., outputs), each in its unit; never NaN."""
-    fired: NDArray[np.bool_]
+    fired: Bools
     """Whether a rule fired for the output, same shape; where not, the value is the default."""
 
 

@@ -3,13 +3,11 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.fuzzy_variable import NOT, FuzzyVariable
 from fikm_drake.fuzzy.mamdani.mamdani_config import FuzzyRule
 from fikm_drake.fuzzy.membership_stack import MembershipStack
-
-Array = NDArray[np.float64]
 
 
 def _probabilistic_sum(a: Array, b: Array) -> Array:

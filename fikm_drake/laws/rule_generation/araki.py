@@ -22,8 +22,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 from fikm_drake.laws.rule_generation.data_table import quarter_table, table_error
@@ -43,7 +43,7 @@ class _Quarter(NamedTuple):
     j_knots: list[float]
     weights: list[list[float]]
 
-    def vectors(self, table: NDArray[np.float64]) -> list[_Vector]:
+    def vectors(self, table: Array) -> list[_Vector]:
         """Prepares the table, shape (p, 3), for sweeps over these memberships."""
         dr, jacobian, dtheta = table.T
         i, f = TriangularPartition(self.dr_knots).locate_array(dr)
@@ -102,7 +102,7 @@ def _sweep(
     return sum(map(sum, region_errors)) / count, region_errors
 
 
-def _trial(quarter: _Quarter, table: NDArray[np.float64], rate: float) -> float:
+def _trial(quarter: _Quarter, table: Array, rate: float) -> float:
     """Error over the table that one sweep from these rules would leave; they stay as they are."""
     copy = quarter._replace(weights=[row[:] for row in quarter.weights])
     vectors = copy.vectors(table)
@@ -110,7 +110,7 @@ def _trial(quarter: _Quarter, table: NDArray[np.float64], rate: float) -> float:
     return _sweep(vectors, copy, 0.0)[0]
 
 
-def _cut(low: float, high: float, values: NDArray[np.float64]) -> float | None:
+def _cut(low: float, high: float, values: Array) -> float | None:
     """Halves [low, high], and then always the half with all the data, until both parts hold data.
 
     Returns:
@@ -132,7 +132,7 @@ def _cut(low: float, high: float, values: NDArray[np.float64]) -> float | None:
 def _grow(
     quarter: _Quarter,
     region_errors: list[list[float]],
-    table: NDArray[np.float64],
+    table: Array,
     rate: float,
     limit: int,
 ) -> tuple[_Quarter, str, float] | None:

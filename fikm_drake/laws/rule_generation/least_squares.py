@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 from fikm_drake.laws.rule_generation.data_table import DTHETA_LEVELS, J_STEPS, table_error
@@ -33,19 +34,19 @@ _PASSES = 4
 class _Design(NamedTuple):
     """Knots s in (0, 1] and heights G there, shape (pairs,), with the relative table error."""
 
-    knots: NDArray[np.float64]
-    heights: NDArray[np.float64]
+    knots: Array
+    heights: Array
     error: float
 
 
-def _fit(knots: NDArray[np.float64]) -> _Design:
+def _fit(knots: Array) -> _Design:
     """Fits the heights by least squares, reweighted a few times towards the mean absolute error."""
     s = np.arange(1, J_STEPS + 1) / J_STEPS
     i, f = TriangularPartition(np.concatenate([[0.0], knots])).locate_array(s)
     low, high = s * (1.0 - f), s * f  # s G(s) = low G_i + high G_{i+1}, with G_0 = 0
     size = len(knots) + 1
 
-    def total(index: NDArray[np.intp], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def total(index: NDArray[np.intp], values: Array) -> Array:
         return np.bincount(index, values, size).astype(float)
 
     # Only neighbours share data, so the normal equations are tridiagonal.

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 
-Array = NDArray[np.float64]
 ROUNDING = 1e-15
 """Sines, cosines and lengths below this are the rounding errors of right angles and of zero."""
 

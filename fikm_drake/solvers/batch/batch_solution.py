@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.count_statuses import count_statuses
 
 
@@ -26,18 +27,18 @@ class BatchStatus(IntEnum):
 class BatchSolution:
     """Joint positions for N targets, and how good they are."""
 
-    q: NDArray[np.float64]
+    q: Array
     """(N,n) joint positions [rad or m]; of a failed target the best ones found, never NaN."""
-    success: NDArray[np.bool_]
+    success: Bools
     """(N,): within the tolerance."""
     status: NDArray[np.int_]
     """(N,): values of `BatchStatus`."""
     cycles: NDArray[np.int_]
     """(N,): control cycles from the first start to the end of the search; restarts run side by side
     and count once."""
-    position_error: NDArray[np.float64]
+    position_error: Array
     """(N,) [m]; NaN for invalid targets."""
-    rotation_error: NDArray[np.float64]
+    rotation_error: Array
     """(N,) [rad]; 0 for positions, NaN for invalid targets."""
 
     def __len__(self) -> int:

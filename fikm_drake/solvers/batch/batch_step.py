@@ -1,9 +1,9 @@
 """One step of the scaled fuzzy mapping for many targets at once."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 FLOOR = 0.05
 """Row and column sums are bounded from below by this fraction of the largest [-]."""
 

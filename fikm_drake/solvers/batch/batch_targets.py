@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.batch.batch_arm import Frames
 from fikm_drake.solvers.batch.rotation_error import rotation_error
 
-Array = NDArray[np.float64]
 TASKS = ("position", "pose")
 SHAPES = {"position": (3,), "pose": (4, 4)}
 ORTHONORMAL = 1e-5
@@ -65,7 +65,7 @@ class BatchTargets:
         return np.concatenate([turn, offset]), distance, angle
 
 
-def checked_targets(targets: ArrayLike, task: str) -> tuple[Array, NDArray[np.bool_]]:
+def checked_targets(targets: ArrayLike, task: str) -> tuple[Array, Bools]:
     """The targets as an array, (N,3) or (N,4,4), and which of them are valid (N,).
 
     Raises:
@@ -86,13 +86,13 @@ def checked_targets(targets: ArrayLike, task: str) -> tuple[Array, NDArray[np.bo
     return array, valid
 
 
-def _are_finite(targets: Array) -> NDArray[np.bool_]:
+def _are_finite(targets: Array) -> Bools:
     # NaN compares false.
     near = np.abs(targets) < FARTHEST
     return np.logical_and.reduce(near, axis=tuple(range(1, targets.ndim)))
 
 
-def _are_poses(X: Array) -> NDArray[np.bool_]:
+def _are_poses(X: Array) -> Bools:
     finite = _are_finite(X)
     X = np.where(finite[:, None, None], X, np.eye(4))
     R = X[:, :3, :3]

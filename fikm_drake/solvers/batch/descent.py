@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.batch.batch_arm import BatchArm
 from fikm_drake.solvers.batch.batch_step import batch_step
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 
-Array = NDArray[np.float64]
 Lanes = NDArray[np.intp]
 LENGTH = 0.3
 """Characteristic length that multiplies rotations [m]; 1.4 to 3 times faster than 1 m."""
@@ -162,7 +162,7 @@ class Ends:
     cycles: NDArray[np.int_]
     """(N,): when it ended."""
 
-    def put(self, lanes: Lanes, best: _Best, stop: NDArray[np.bool_], cycle: int) -> None:
+    def put(self, lanes: Lanes, best: _Best, stop: Bools, cycle: int) -> None:
         """Write the ended lanes."""
         self.q[:, lanes] = best.q[:, stop]
         self.size[lanes] = best.figures[0, stop]

@@ -5,11 +5,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.batch.batch_arm import BatchArm
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 
-Array = NDArray[np.float64]
 SIZE = 1024
 DISTANCES = 2**14
 """Between targets and postures, looked at together: in the cache, and too few for BLAS to wake its

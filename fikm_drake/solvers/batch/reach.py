@@ -1,17 +1,15 @@
 """Targets that no posture of an arm can reach, by cheap proofs."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.batch.batch_targets import ORTHONORMAL
-
-Array = NDArray[np.float64]
 
 
 def out_of_reach(
     arm: DhArm, targets: Array, tolerance: tuple[float, float], *, limits: bool = True
-) -> NDArray[np.bool_]:
+) -> Bools:
     """Which targets are proven to be out of reach.
 
     Two proofs: the links, laid end to end from the first joint's axis, are too short, or too unequal
@@ -70,7 +68,7 @@ def _spans(arm: DhArm, limits: bool) -> list[tuple[float, float]]:
     return [*spans, (tool, tool)]
 
 
-def _leaves_plane(arm: DhArm, targets: Array, tolerance: tuple[float, float]) -> NDArray[np.bool_]:
+def _leaves_plane(arm: DhArm, targets: Array, tolerance: tuple[float, float]) -> Bools:
     """Targets beside the plane of an arm whose joints all turn about parallel axes."""
     q = arm.default_position
     axes = arm.link_poses(q)[:, :3, 2]

@@ -1,9 +1,9 @@
 """Angle-axis orientation errors of many frames at once."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 NEARLY_HALF_TURN = -0.99
 """Below this cosine (172°) the sine no longer gives a precise axis."""
 

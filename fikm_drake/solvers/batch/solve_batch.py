@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.batch.batch_arm import BatchArm
@@ -15,7 +16,6 @@ from fikm_drake.solvers.batch.descent import LENGTH, Descent, Ends
 from fikm_drake.solvers.batch.posture_pool import SIZE, PosturePool, start_range
 from fikm_drake.solvers.batch.reach import out_of_reach
 
-Array = NDArray[np.float64]
 CHUNK = 2048
 """Starts that run side by side: their arrays stay in the processor's cache."""
 RESTARTS = (4, 64)

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 from fikm_drake.fuzzy.memberships import Triangle
@@ -15,7 +15,6 @@ from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.targets import random_targets
 from fikm_drake.solvers.labvolt.theta_3_search import theta_3_search
 
-Array = NDArray[np.float64]
 Loss = Callable[[MamdaniSystem, float], float]
 Progress = Callable[[float], None]
 FIRST_PEAKS = {

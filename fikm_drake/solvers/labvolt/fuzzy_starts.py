@@ -3,13 +3,12 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.fuzzy.mamdani import MamdaniSystem, load_mamdani
 from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.theta_3_search import FIRST_GUESS
 
-Array = NDArray[np.float64]
 THETA_3, POSTURE = "labvolt_theta3", "labvolt_posture"
 """Names of the two systems in `models/fuzzy/`."""
 
@@ -44,7 +43,7 @@ class FuzzyStarts:
         angles = ["theta_1", "theta_2", "theta_3"]
         _check(self._posture, "posture", ["distance", "bearing"], angles)
 
-    def theta_3(self, target: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def theta_3(self, target: Array) -> tuple[Array, Bools]:
         """First guess of θ_3, absolute.
 
         Args:

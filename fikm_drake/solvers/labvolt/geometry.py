@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.load_arm import load_arm
 
-Array = NDArray[np.float64]
 MODEL = "labvolt5250"
 """Name of the arm in `models/`."""
 
@@ -50,7 +50,7 @@ class Geometry:
         """Distances (N,) [m] of the tool from targets (2,N) [m] at relative angles (3,N) [rad]."""
         return np.hypot(*(self.tool(relative) - target))
 
-    def contains(self, relative: Array, tolerance: float) -> NDArray[np.bool_]:
+    def contains(self, relative: Array, tolerance: float) -> Bools:
         """Whether relative angles (3,…) [rad] are inside the limits; NaN is not."""
         inside = np.ones(relative.shape[1:], dtype=bool)
         for q, low, high in zip(relative, self.lower, self.upper):

@@ -1,14 +1,15 @@
 """Fuzzy starts for solvers of others."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.targets import plane_targets
 
 
-def initial_guess(targets: ArrayLike, *, fuzzy: FuzzyStarts | None = None) -> NDArray[np.float64]:
+def initial_guess(targets: ArrayLike, *, fuzzy: FuzzyStarts | None = None) -> Array:
     """Joint positions near a solution, by fuzzy rules on the target: for Drake's `InverseKinematics`.
 
         ik = InverseKinematics(plant)  # of models/labvolt5250.urdf

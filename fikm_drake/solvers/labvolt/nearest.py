@@ -14,10 +14,9 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.geometry import Geometry
 from fikm_drake.solvers.labvolt.two_links import chord
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

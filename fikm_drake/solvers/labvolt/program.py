@@ -6,7 +6,6 @@ from math import atan2, hypot, inf, isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.solvers import (
     MathematicalProgram,
     NloptSolver,
@@ -16,9 +15,9 @@ from pydrake.solvers import (
 )
 from pydrake.symbolic import cos, sin
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.geometry import Geometry
 
-Array = NDArray[np.float64]
 SOLVERS = ("slsqp", "snopt")
 TOLERANCE, FEASIBILITY = 1e-10, 1e-12
 """Of the solvers' tests, on angles [rad] and gradients [-]; on constraints, lengths over the reach [-]."""

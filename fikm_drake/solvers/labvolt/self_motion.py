@@ -11,12 +11,11 @@ meet, the arm stretched but for b, or the limit of b if that comes first.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.labvolt.geometry import Geometry
 from fikm_drake.solvers.labvolt.two_links import EDGE, chord, two_links, wrap
 
-Array = NDArray[np.float64]
 SIDES = np.array([1.0, -1.0])[:, None]
 
 
@@ -70,7 +69,7 @@ def widest_arc(geometry: Geometry, target: Array) -> Array:
 
 
 def _widest_middle(
-    geometry: Geometry, target: Array, ends: Array, feasible: NDArray[np.bool_]
+    geometry: Geometry, target: Array, ends: Array, feasible: Bools
 ) -> tuple[Array, Array]:
     """Middles of the widest arcs (3,N), and their widths in t (N,); a width below 0: there is none."""
     widest_bend = _widest_bend(geometry, np.hypot(*target))

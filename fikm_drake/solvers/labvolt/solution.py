@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.count_statuses import count_statuses
 
 
@@ -29,29 +30,29 @@ class LabVoltStatus(IntEnum):
 class LabVoltSolution:
     """Angles for N targets, and how good they are."""
 
-    angles: NDArray[np.float64]
+    angles: Array
     """(N,3) θ_1, θ_2, θ_3 from the horizontal [rad], inside the limits, never NaN."""
-    yaw: NDArray[np.float64]
+    yaw: Array
     """(N,) of the base, atan2(y, x) [rad]; zeros for targets in the arm's plane."""
-    success: NDArray[np.bool_]
+    success: Bools
     """(N,): the tool is within the tolerance of the target, by forward kinematics."""
     status: NDArray[np.int_]
     """(N,): values of `LabVoltStatus`."""
-    error: NDArray[np.float64]
+    error: Array
     """(N,): distance of the tool from the target [m]; NaN for invalid targets."""
     tries: NDArray[np.int_]
     """(N,): guesses of θ_3 plus starts of the SQP; 0 where nothing had to be tried."""
-    nearest: NDArray[np.float64]
+    nearest: Array
     """(N,2) or (N,3), as the targets: the reachable point nearest to the target [m]; NaN for invalid
     targets. The target itself where it can be reached."""
-    distance: NDArray[np.float64]
+    distance: Array
     """(N,): of the target from `nearest` [m]: 0 where it can be reached, NaN for invalid targets."""
 
     def __len__(self) -> int:
         return len(self.angles)
 
     @property
-    def joints(self) -> NDArray[np.float64]:
+    def joints(self) -> Array:
         """(N,4) joint positions of `models/labvolt5250.yaml`: yaw and the relative angles [rad]."""
         relative = np.diff(self.angles, axis=1, prepend=0.0)
         return np.column_stack([self.yaw, relative])

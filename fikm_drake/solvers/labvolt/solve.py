@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt, to_absolute, to_relative
@@ -14,7 +15,6 @@ from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.targets import plane_targets
 from fikm_drake.solvers.labvolt.ways import METHODS, SQP_METHODS, Goals, Ways, program
 
-Array = NDArray[np.float64]
 TOLERANCE = 1e-9
 """Within this a target is reached [m]."""
 CHUNK = 4096

@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.checks import check_counts
 from fikm_drake.solvers.batch.batch_targets import FARTHEST
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -18,7 +17,7 @@ class PlaneTargets:
 
     given: Array
     """(N,2) or (N,3), as the user gave them [m]."""
-    valid: NDArray[np.bool_]
+    valid: Bools
     """(N,): finite."""
     yaw: Array
     """(N,): of the base [rad]; 0 for targets in the plane and for invalid ones."""

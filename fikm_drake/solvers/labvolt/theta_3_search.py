@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.labvolt.geometry import Geometry
 from fikm_drake.solvers.labvolt.two_links import EDGE, two_links, wrap
 
-Array = NDArray[np.float64]
 FIRST_GUESS = float(np.deg2rad(-90.0))
 """The paper's, where no fuzzy rules give a better one [rad]."""
 STEP = float(np.deg2rad(1.0))
@@ -42,7 +42,7 @@ def theta_3_search(
     return q, tries
 
 
-def _postures(geometry: Geometry, target: Array, theta_3: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _postures(geometry: Geometry, target: Array, theta_3: Array) -> tuple[Array, Bools]:
     """Relative angles (3,N) with the elbow up, else down, and whether they are inside the limits."""
     first, second, third = geometry.lengths
     wrist = target - third * np.array([np.cos(theta_3), np.sin(theta_3)])

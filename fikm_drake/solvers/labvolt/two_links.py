@@ -1,9 +1,9 @@
 """Two links in a plane: the triangle that every closed form here is made of."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 Number = float | Array
 EDGE = 1e-12
 """A cosine this far beyond 1 [-], or an angle this far beyond a limit [rad], counts as at it."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.theta_3_search import FIRST_GUESS, theta_3_search
 
-Array = NDArray[np.float64]
 Found = tuple[Array, NDArray[np.int_]]
 """Relative angles (3,N) [rad], NaN where there are none, and tries (N,)."""
 

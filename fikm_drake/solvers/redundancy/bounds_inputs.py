@@ -1,13 +1,12 @@
 """What the ANFIS of learned bounds take, for points and for poses in the plane."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.angles import middle_of_limits, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import ROUNDING, Planar3R
 
-Array = NDArray[np.float64]
 INPUTS = ("xy", "polar")
 JOINTS = {"xy": 3, "pose": 4}
 """Joints of the planar arms whose bounds can be learned, by the task."""

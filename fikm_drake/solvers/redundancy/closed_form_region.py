@@ -1,14 +1,12 @@
 """The feasible region of joint 1 of a planar 3R arm, in closed form."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.redundancy.region import Middle
 from fikm_drake.solvers.self_motion.feasible_intervals import EDGE, feasible_interval_table
-
-Array = NDArray[np.float64]
 
 
 class ClosedFormRegion:
@@ -24,7 +22,7 @@ class ClosedFormRegion:
         self._arm = arm
         self._geometry = Planar3R(arm)
 
-    def postures(self, points: Array, joint_1: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def postures(self, points: Array, joint_1: Array) -> tuple[Array, Bools]:
         """See `Region`."""
         return self._postures(points, joint_1, 0.0)
 
@@ -33,9 +31,7 @@ class ClosedFormRegion:
         lower, upper = feasible_interval_table(self._arm, points).widest()
         return Middle(*self._postures(points, 0.5 * (lower + upper), EDGE), lower, upper)
 
-    def _postures(
-        self, points: Array, joint_1: Array, slack: float
-    ) -> tuple[Array, NDArray[np.bool_]]:
+    def _postures(self, points: Array, joint_1: Array, slack: float) -> tuple[Array, Bools]:
         # On the edge of the workspace rounding takes a posture out of the limits by up to `slack`; it
         # is moved back.
         geometry = self._geometry

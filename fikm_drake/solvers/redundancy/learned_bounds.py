@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -16,7 +16,6 @@ from fikm_drake.solvers.redundancy.bounds_data import BoundsData
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
 from fikm_drake.solvers.redundancy.tool_targets import checked_points
 
-Array = NDArray[np.float64]
 FOLDER = "bounds"
 """Where in `models/` the bounds are that come with the library."""
 

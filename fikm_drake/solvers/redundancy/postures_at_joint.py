@@ -1,8 +1,8 @@
 """Postures that hold the tool at poses with one joint at given positions, by Newton's method."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -12,7 +12,6 @@ from fikm_drake.solvers.batch.batch_targets import BatchTargets
 from fikm_drake.solvers.batch.posture_pool import PosturePool
 from fikm_drake.solvers.redundancy.tool_targets import tool_errors
 
-Array = NDArray[np.float64]
 NEAR, STARTS = 32, 4
 """Postures of the pool with their tool nearest to a pose, and those of them that are started from."""
 CHUNK = 1024
@@ -50,7 +49,7 @@ class PosturesAtJoint:
         self._others = np.delete(np.arange(arm.num_joints), joint)
         self._middle = middle_of_limits(arm.lower, arm.upper)
 
-    def solve(self, poses: Array, positions: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def solve(self, poses: Array, positions: Array) -> tuple[Array, Bools]:
         """Of those inside the limits, the posture that is closest to their middle.
 
         Args:
@@ -66,7 +65,7 @@ class PosturesAtJoint:
             q[rows], good[rows] = self._solve(poses[rows], positions[rows])
         return q, good
 
-    def _solve(self, poses: Array, positions: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def _solve(self, poses: Array, positions: Array) -> tuple[Array, Bools]:
         arm, count = self._arm, len(poses)
         rows = np.repeat(np.arange(count), STARTS)
         targets = BatchTargets.from_array(poses)

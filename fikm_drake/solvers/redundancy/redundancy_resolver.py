@@ -3,7 +3,7 @@
 from contextlib import suppress
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -13,8 +13,6 @@ from fikm_drake.solvers.redundancy.region import Region
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
 from fikm_drake.solvers.redundancy.tool_targets import as_poses, checked_points, tool_errors
 from fikm_drake.solvers.redundancy.traced_region import TracedRegion
-
-Array = NDArray[np.float64]
 
 
 class RedundancyResolver:

@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array, Bools
 
 
 @dataclass(frozen=True)
@@ -15,7 +12,7 @@ class Middle:
 
     q: Array
     """(N,n) [rad or m]; arbitrary where there is none inside the limits."""
-    inside: NDArray[np.bool_]
+    inside: Bools
     """(N,): whether there is one inside the limits."""
     lower: Array
     """(N,) lower bound of the joint [rad or m]."""
@@ -26,7 +23,7 @@ class Middle:
 class Region(Protocol):
     """The feasible region of one joint of an arm, for valid points: in closed form, or traced."""
 
-    def postures(self, points: Array, joint_position: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def postures(self, points: Array, joint_position: Array) -> tuple[Array, Bools]:
         """Postures (N,n) with the joint at given positions (N,), and which are inside the limits."""
 
     def middle(self, points: Array) -> Middle:

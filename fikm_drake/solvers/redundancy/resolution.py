@@ -6,6 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.count_statuses import count_statuses
 
 
@@ -28,19 +29,19 @@ class ResolutionStatus(IntEnum):
 class Resolution:
     """Joint positions for N points."""
 
-    q: NDArray[np.float64]
+    q: Array
     """(N,n) [rad or m], inside all limits; NaN where there is no success."""
-    success: NDArray[np.bool_]
+    success: Bools
     """(N,)."""
     status: NDArray[np.int_]
     """(N,): values of `ResolutionStatus`."""
-    lower: NDArray[np.float64]
+    lower: Array
     """(N,) lower bound of the joint [rad or m], learned, exact where repaired, NaN without success."""
-    upper: NDArray[np.float64]
+    upper: Array
     """(N,) upper bound of the joint [rad or m], alike."""
-    position_error: NDArray[np.float64]
+    position_error: Array
     """(N,) distance of the tool from the point by forward kinematics [m]; NaN without success."""
-    rotation_error: NDArray[np.float64]
+    rotation_error: Array
     """(N,) the same of its orientation [rad]; zero where the task does not count it."""
 
     def __len__(self) -> int:

@@ -1,17 +1,16 @@
 """Targets of a tool as poses, and how far postures are from them."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.batch.batch_targets import FARTHEST, checked_targets
 from fikm_drake.solvers.batch.rotation_error import rotation_error
 
-Array = NDArray[np.float64]
 
-
-def checked_points(points: ArrayLike, task: Task) -> tuple[Array, NDArray[np.bool_]]:
+def checked_points(points: ArrayLike, task: Task) -> tuple[Array, Bools]:
     """The points as an array, and which of them are valid (N,).
 
     Args:

@@ -1,9 +1,9 @@
 """The feasible region of one joint of any arm with one spare degree of freedom, by tracing."""
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -13,7 +13,6 @@ from fikm_drake.solvers.redundancy.tool_targets import as_poses, tool_errors
 from fikm_drake.solvers.self_motion.self_motion import SelfMotion
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer
 
-Array = NDArray[np.float64]
 NARROW = 1e-9
 """An interval that is not halved: the joint hardly moves [rad or m]."""
 
@@ -39,7 +38,7 @@ class TracedRegion:
         self._lower, self._upper = arm.lower, arm.upper
         self._middle = middle_of_limits(arm.lower, arm.upper)
 
-    def postures(self, points: Array, joint_position: Array) -> tuple[Array, NDArray[np.bool_]]:
+    def postures(self, points: Array, joint_position: Array) -> tuple[Array, Bools]:
         """See `Region`."""
         i = self._joint - 1
         positions = np.clip(joint_position, self._lower[i], self._upper[i])

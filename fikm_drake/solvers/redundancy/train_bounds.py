@@ -2,9 +2,7 @@
 
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
@@ -12,7 +10,6 @@ from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.workspace_points import random_workspace_points, workspace_points
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
-Array = NDArray[np.float64]
 POINTS = 3356
 """As many as the thesis's."""
 STARTS = 4

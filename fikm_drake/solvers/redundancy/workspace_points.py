@@ -1,14 +1,13 @@
 """Points that cover the workspace of an arm inside its joint limits."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.batch.posture_pool import start_range
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
-Array = NDArray[np.float64]
 COARSE = 60
 """Grid points from end to end of the reach, to measure the workspace."""
 NEAR = 0.02

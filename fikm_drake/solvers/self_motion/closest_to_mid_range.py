@@ -1,13 +1,13 @@
 """The posture of a planar 3R arm at a point that is closest to the middle of its joints' limits."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.self_motion.feasible_intervals import CHUNK, interval_columns
 
-Array = NDArray[np.float64]
 NODES = 17
 """Postures of an interval that are compared first."""
 HALVINGS = 54

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 
-Array = NDArray[np.float64]
 ITERATIONS = 12
 """Newton steps at most."""
 CONVERGED = 1e-8

@@ -3,11 +3,10 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
 
-Array = NDArray[np.float64]
 HALVINGS = 60
 """At most."""
 ROUNDING = 1e-12

@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.self_motion.closest_to_mid_range import closest_to_mid_range
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer
-
-Array = NDArray[np.float64]
 
 
 @dataclass
@@ -36,7 +35,7 @@ class FeasibilityData:
         return len(self.count)
 
     @property
-    def feasible(self) -> NDArray[np.bool_]:
+    def feasible(self) -> Bools:
         """(N,): whether some posture reaches the point within the limits."""
         return self.count > 0
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.angles import TURN, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R, triangle_angle
@@ -14,7 +15,6 @@ from fikm_drake.solvers.self_motion.interval_table import (
     IntervalTable,
 )
 
-Array = NDArray[np.float64]
 Codes = NDArray[np.int_]
 CHUNK = 4096
 """Points side by side: their arrays stay in the processor's cache."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
@@ -19,7 +20,6 @@ from fikm_drake.solvers.self_motion.feasibility_data import (
 )
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 
-Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 BETWEEN_SAVES = 10.0
 """Seconds."""

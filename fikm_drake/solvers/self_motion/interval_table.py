@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array, Bools
+
 TURNING_POINT = "turning point"
 """Name of an end where no joint is at a limit: the joint turns back on the self-motion."""
 FULL_TURN = "full turn"
@@ -71,7 +72,7 @@ class IntervalTable:
         ]
 
     @property
-    def feasible(self) -> NDArray[np.bool_]:
+    def feasible(self) -> Bools:
         """(N,): whether a posture reaches the point within all limits."""
         return self.count > 0
 

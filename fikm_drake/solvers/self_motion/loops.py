@@ -3,15 +3,14 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.angles import nearest_turn, wrap
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.self_motion.polyline import arc_lengths, interpolate
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 from fikm_drake.solvers.self_motion.walk import CLOSED, Walls, walk
 
-Array = NDArray[np.float64]
 FINE = 16
 """Points of a dense polyline for each of a walk's."""
 NEAR = 1e-3

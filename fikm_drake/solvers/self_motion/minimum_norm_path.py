@@ -1,12 +1,12 @@
 """The minimum-norm solution along a path: it depends on the path, and knows no limits."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import POSITION_TASKS, Task
 
-Array = NDArray[np.float64]
 ITERATIONS = 25
 """Of a point, as in algorithm 1 of the thesis."""
 ARRIVED = 1e-12

@@ -1,11 +1,10 @@
 """A curve given by points and unit tangents: lengths, points between, points beside it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import wrap
 
-Array = NDArray[np.float64]
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Nodes and weights on [−1, 1]."""
 ON_LINE = 1e-3
@@ -44,7 +43,7 @@ def interpolate(q: Array, tangents: Array, lengths: Array, at: Array) -> Array:
     )
 
 
-def is_on(line: Array, q: Array, periodic: NDArray[np.bool_]) -> bool:
+def is_on(line: Array, q: Array, periodic: Bools) -> bool:
     """Whether a point (k,) is on a dense polyline (D,k), whole turns of periodic joints aside."""
     offset = q - line
     offset = np.where(periodic, wrap(offset), offset)

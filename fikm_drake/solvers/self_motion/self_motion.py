@@ -4,15 +4,14 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.self_motion.events import root_between
 from fikm_drake.solvers.self_motion.interval_table import FeasibleInterval
 from fikm_drake.solvers.self_motion.polyline import interpolate
 from fikm_drake.solvers.self_motion.walk import CLOSED
-
-Array = NDArray[np.float64]
 
 
 class SelfMotionStatus(IntEnum):

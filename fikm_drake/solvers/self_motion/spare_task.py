@@ -6,6 +6,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -13,7 +14,6 @@ from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.batch.batch_targets import checked_targets
 
-Array = NDArray[np.float64]
 ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 SAMPLES = 8
 """Random postures whose Jacobians tell what a task fixes."""
@@ -167,7 +167,7 @@ def _search_range(lower: Array, upper: Array) -> tuple[Array, Array]:
     return np.maximum(lower, middle - np.pi), np.minimum(upper, middle + np.pi)
 
 
-def _revolute(plant: MultibodyPlant) -> NDArray[np.bool_]:
+def _revolute(plant: MultibodyPlant) -> Bools:
     """(n,): which positions are angles of revolute joints."""
     turns = np.zeros(plant.num_positions(), dtype=bool)
     for index in plant.GetJointIndices():

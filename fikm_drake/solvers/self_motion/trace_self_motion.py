@@ -1,10 +1,11 @@
 """The self-motion of an arm with one spare degree of freedom, traced within its limits."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts, check_number
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -28,7 +29,6 @@ from fikm_drake.solvers.self_motion.self_motion import (
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 from fikm_drake.solvers.self_motion.walk import AT_LIMIT, CLOSED, SINGULAR, TOO_LONG, Walls
 
-Array = NDArray[np.float64]
 MAX_STEP = 0.2
 """[rad or m]."""
 SEARCHES = 6

@@ -3,13 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import wrap
 from fikm_drake.solvers.self_motion.curve import FIRST_STEP, LEAST_STEP, CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.self_motion.events import first_limit
 
-Array = NDArray[np.float64]
 CLOSED = "closed"
 """End of a walk that came back to its start."""
 SINGULAR = "singular"
@@ -44,7 +43,7 @@ class Walls:
     """(k,) [rad or m]."""
     upper: Array
     """(k,) [rad or m]."""
-    periodic: NDArray[np.bool_]
+    periodic: Bools
     """(k,): joints for which a whole turn leads to the same posture."""
 
 
@@ -100,7 +99,7 @@ def _closing(
     start: CurvePoint,
     here: CurvePoint,
     there: CurvePoint,
-    periodic: NDArray[np.bool_],
+    periodic: Bools,
 ) -> CurvePoint | None:
     """The start, whole turns on, if the curve passes it between the two points."""
     offset = start.q - here.q

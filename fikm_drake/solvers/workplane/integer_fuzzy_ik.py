@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.fuzzy.integer import IntegerRuleBase, write_c
 from fikm_drake.fuzzy.integer.integer_partition import Rounding
@@ -107,7 +108,7 @@ class IntegerFuzzyIk:
         """
         return self._rules.infer(x, y)
 
-    def solve_batch(self, points: ArrayLike) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    def solve_batch(self, points: ArrayLike) -> tuple[NDArray[np.int64], Bools]:
         """Joint angles at many points, the same integers as of `solve`.
 
         Args:
@@ -124,7 +125,7 @@ class IntegerFuzzyIk:
             raise ValueError(f"points must be (…, 2), got {points.shape}")
         return self._rules.infer_batch(points[..., 0], points[..., 1])
 
-    def to_radians(self, angles: ArrayLike) -> NDArray[np.float64]:
+    def to_radians(self, angles: ArrayLike) -> Array:
         """Angles in steps of `resolution` as joint positions [rad]."""
         return np.deg2rad(np.asarray(angles) * self._resolution)
 

@@ -3,11 +3,12 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finites
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.solvers.workplane.workplane import Workplane
-from fikm_drake.solvers.workplane.workplane_inverse import Array, WorkplaneInverse, check_reached
+from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse, check_reached
 
 HEADING = (-1.01, -0.41)
 """Of the hand at the near and at the far edge [rad]: with these, Table 1's labels agree in order."""

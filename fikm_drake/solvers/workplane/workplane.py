@@ -9,10 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finite, check_finites
 from fikm_drake.resources import load_model
-
-Array = NDArray[np.float64]
 
 
 @dataclass

@@ -4,12 +4,11 @@ from math import ceil, floor
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
-
-Array = NDArray[np.float64]
 
 
 class WorkplaneData:

@@ -4,16 +4,15 @@ import copy
 from math import ceil, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finites
 from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.batch.solve_batch import solve_batch
 from fikm_drake.solvers.workplane.workplane import Workplane
-
-Array = NDArray[np.float64]
 
 MOST_POINTS = 200_000
 """About as many points of a large workplane are fitted to."""

@@ -3,10 +3,10 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.samples import (
     QUANTITIES,
-    Array,
     edged_training_points,
     exact,
     fresh_points,

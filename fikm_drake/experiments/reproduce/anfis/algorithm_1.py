@@ -3,8 +3,8 @@
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.trajectories import A
 from fikm_drake.experiments.reproduce.report import Cell, Section
@@ -20,8 +20,6 @@ ALONG_1, BEST = (1.0, 0.0, 0.0), (1.0, 0.0, -1.0)
 elements are −1, 0 and 1."""
 RUNS = ((BEST, 0.05, 50), (BEST, 0.01, 50), (BEST, 0.01, 500), (ALONG_1, 0.01, 500))
 """u, length of a step [rad], steps in each direction; the thesis prints 50 and no length."""
-
-Array = NDArray[np.float64]
 
 
 def corrected_algorithm_1(

@@ -3,8 +3,8 @@
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.samples import rms_and_max
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -15,7 +15,6 @@ from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatu
 from fikm_drake.solvers.redundancy.workspace_points import random_tool_poses
 from fikm_drake.solvers.self_motion.generate_feasibility_data import generate_feasibility_data
 
-Array = NDArray[np.float64]
 ARM = "hassantabar4r"
 SEVEN_JOINTS, JOINT = "iiwa14", 3
 SEED = 1

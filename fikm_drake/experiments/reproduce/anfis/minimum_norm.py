@@ -2,8 +2,8 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.experiments.reproduce.anfis.region import ARM, plot_region, region, stretches
 from fikm_drake.experiments.reproduce.anfis.trajectories import A, B
 from fikm_drake.experiments.reproduce.report import Cell, Section
@@ -17,8 +17,6 @@ LAPS = 5
 SAMPLES = 401
 ENTRY = 17.4
 """From here to 96.65 % B is feasible [%]."""
-
-Array = NDArray[np.float64]
 
 
 def minimum_norm() -> Section:
@@ -79,7 +77,7 @@ def minimum_norm() -> Section:
     return Section("minimum norm", title, cells, notes, {"minimum_norm": picture})
 
 
-def _percent(mask: NDArray[np.bool_]) -> float:
+def _percent(mask: Bools) -> float:
     return 100.0 * float(mask.mean())
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.trajectories import A, B, Trajectory
 from fikm_drake.experiments.reproduce.report import Cell, Section
@@ -15,8 +15,6 @@ from fikm_drake.solvers.self_motion.trace_self_motion import trace_self_motion
 POSTURES = 4
 NEAR = 0.02
 """A joint this near to a limit is told as being at it [rad]."""
-
-Array = NDArray[np.float64]
 
 
 def figure_3_7() -> Section:

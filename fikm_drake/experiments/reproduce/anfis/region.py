@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.experiments.reproduce.anfis.trajectories import Trajectory
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
@@ -25,8 +25,6 @@ COLOURS = {
     TURNING_POINT: "black",
 }
 """Of the borders, by what ends the region there."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -104,7 +102,7 @@ def plot_regions(found: Region) -> Figure:
     return figure
 
 
-def stretches(percent: Array, mask: NDArray[np.bool_]) -> str:
+def stretches(percent: Array, mask: Bools) -> str:
     """The stretches of a trajectory where a mask is true, as text [%]."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     runs = zip(percent[edges[::2]], percent[edges[1::2] - 1])

@@ -3,8 +3,8 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.redundancy.workspace_points import (
@@ -14,7 +14,6 @@ from fikm_drake.solvers.redundancy.workspace_points import (
 from fikm_drake.solvers.self_motion.closest_to_mid_range import closest_to_mid_range
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
-Array = NDArray[np.float64]
 TRAINING_POINTS = 3356
 """As many as the thesis's, about."""
 FRESH_POINTS, SEED = 20_000, 1

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 
-Array = NDArray[np.float64]
 HALVINGS = 60
 """Of a cell of the scan: more than double precision resolves."""
 
@@ -43,7 +43,7 @@ def scan_intervals(
     return rows, lower, upper
 
 
-def is_feasible(arm: DhArm, points: Array, theta_1: Array) -> NDArray[np.bool_]:
+def is_feasible(arm: DhArm, points: Array, theta_1: Array) -> Bools:
     """Whether joint 1 at θ1 leaves joints 2 and 3 a posture within their limits."""
     rows = arm.table.joints
     a, b, c = rows[1].a, rows[2].a, arm.table.tool.a
@@ -58,7 +58,7 @@ def is_feasible(arm: DhArm, points: Array, theta_1: Array) -> NDArray[np.bool_]:
     return found & (np.abs(cosine) <= 1.0)
 
 
-def _within(arm: DhArm, joint: int, angle: Array) -> NDArray[np.bool_]:
+def _within(arm: DhArm, joint: int, angle: Array) -> Bools:
     """Whether some whole turn brings an angle within a joint's limits."""
     lower, upper = arm.lower[joint], arm.upper[joint]
     return np.mod(angle - lower, 2.0 * np.pi) <= upper - lower

@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.samples import rms_and_max
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.anfis.anfis import Anfis
@@ -19,7 +19,6 @@ from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import find_model
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer
 
-Array = NDArray[np.float64]
 ARM = "iiwa14"
 LOWER, UPPER = (0.45, 0.15), (0.70, 0.60)
 """x and z of the tool [m]; y = 0."""

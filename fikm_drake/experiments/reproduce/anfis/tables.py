@@ -3,14 +3,13 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.fuzzy import RuleBase, TriangularPartition
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
-Array = NDArray[np.float64]
 NUMBERS = 224
 """Of an 8 x 8 ANFIS: 192 coefficients and 32 parameters of memberships."""
 

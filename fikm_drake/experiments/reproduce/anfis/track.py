@@ -12,12 +12,12 @@ from pydrake.systems.primitives import LogVectorOutput, TrajectorySource
 from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from pydrake.trajectories import PiecewisePolynomial
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.trajectories import Trajectory
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 
-Array = NDArray[np.float64]
 DURATION, PERIOD = 10.0, 0.02
 """Of a run, and of its control cycle [s]."""
 

@@ -3,8 +3,8 @@
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Bools
 from fikm_drake.experiments.reproduce.report import Cell, Section, equal
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
@@ -47,7 +47,7 @@ class OperationCount:
         )
 
 
-def mapping_count(pattern: NDArray[np.bool_], unit_columns: int = 0) -> OperationCount:
+def mapping_count(pattern: Bools, unit_columns: int = 0) -> OperationCount:
     """Operations of equations 27, 28 and 32-34 for a Jacobian with this pattern of non-zeros.
 
     Each element that is not zero is multiplied by dr_i and divided by r_i, and enters three sums;
@@ -75,7 +75,7 @@ def pseudo_inverse_count(n: int) -> OperationCount:
     return OperationCount(33 * n + 112, 33 * n + 64)
 
 
-def puma_pattern(arm: DhArm) -> tuple[NDArray[np.bool_], int]:
+def puma_pattern(arm: DhArm) -> tuple[Bools, int]:
     """Pattern (6,6) of the Puma's Jacobian as in equation 51, found from the arm, and its unit columns.
 
     At the wrist point and in the last link's frame, by (θ1, θ2, θ2 + θ3, θ4, θ5, θ6): with θ2 + θ3

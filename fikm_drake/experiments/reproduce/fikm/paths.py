@@ -3,12 +3,11 @@
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
-
-Array = NDArray[np.float64]
 
 
 def curve_2_joints() -> TrackingScenario:

@@ -1,8 +1,8 @@
 """Paper 1, section 2.7: for which gains the loop is stable, on random arms."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.loop_stability import largest_stable_gain, loop_matrix, task_matrix
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -14,8 +14,6 @@ SMOOTHING = 2.0 / 3.0
 """Of equation 31."""
 NEAR = 1e-3
 """How far below and above the bound the loop is tried, as a fraction of it."""
-
-Array = NDArray[np.float64]
 
 
 def random_arm(rng: np.random.Generator) -> DhArm:

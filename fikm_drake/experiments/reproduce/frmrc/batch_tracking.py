@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.laws.law import Law
 from fikm_drake.solvers.batch.batch_arm import BatchArm
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,10 @@
 """Past paper 3: does a pass over the joints ever make the error longer?"""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
-
-Array = NDArray[np.float64]
 
 CASES, SEED = 20_000, 0
 SHAPES = ((2, 3), (3, 7), (6, 7), (6, 3))

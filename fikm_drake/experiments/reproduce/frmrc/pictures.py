@@ -3,11 +3,9 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.simulation.tracking_log import TrackingLog
-
-Array = NDArray[np.float64]
 
 
 def errors_before(log: TrackingLog) -> Array:

@@ -1,8 +1,8 @@
 """Past paper 3: lines all over the workspace, of three joints and of seven."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.frmrc.batch_tracking import (
     BatchRun,
     circles,
@@ -15,8 +15,6 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.laws.law import Law
-
-Array = NDArray[np.float64]
 
 LINES, SEED = 300, 0
 SECONDS, RATE = 2.0, 50.0

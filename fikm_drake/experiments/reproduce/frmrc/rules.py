@@ -2,8 +2,8 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.plot_memberships import plot_memberships
 from fikm_drake.experiments.reproduce.report import Section, equal
 from fikm_drake.laws.rate_inference import INFERENCE, PEAKS, rate_rules, rule_texts
@@ -63,6 +63,6 @@ def _figure() -> Figure:
     return figure
 
 
-def _directions(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _directions(angle: Array) -> Array:
     """Unit vectors (2,N) at angles (N,) [°]."""
     return np.stack([np.cos(np.radians(angle)), np.sin(np.radians(angle))])

@@ -4,8 +4,9 @@ from itertools import product
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.integer.workplane_errors import grid_errors, workplane_errors
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.integer import interpolate
@@ -15,8 +16,6 @@ from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk, tojo_inverse
 from fikm_drake.solvers.workplane.workplane import Workplane
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
-
-Array = NDArray[np.float64]
 
 CLAIMS = {"min": (7.5, 3.3), "product": (2.2, 0.85)}
 """Largest and mean error with 9 x 9 labels [mm]."""

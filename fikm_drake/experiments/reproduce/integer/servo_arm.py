@@ -16,12 +16,11 @@ from pydrake.systems.primitives import (
 )
 from pydrake.trajectories import PiecewisePolynomial
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkSystem
-
-Array = NDArray[np.float64]
 
 PERIOD = 0.02
 """One point of the path each [s]: the frame of a hobby servo."""

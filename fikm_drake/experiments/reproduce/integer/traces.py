@@ -4,10 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.integer import workplane_paths
 from fikm_drake.experiments.reproduce.integer.servo_arm import PERIOD, Trace, trace
 from fikm_drake.experiments.reproduce.integer.table_1 import TABLE_1
-from fikm_drake.experiments.reproduce.integer.workplane_errors import Array, workplane_errors
+from fikm_drake.experiments.reproduce.integer.workplane_errors import workplane_errors
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk, tojo_inverse
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse

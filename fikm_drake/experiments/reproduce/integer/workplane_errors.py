@@ -1,12 +1,11 @@
 """How far from the wanted point of the workplane the tool comes to lie."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
-
-Array = NDArray[np.float64]
 
 
 def workplane_errors(inverse: WorkplaneInverse, points: ArrayLike, q: Array) -> tuple[Array, Array]:

@@ -1,9 +1,8 @@
 """The paths of figures 7-12, as points of the workplane [mm]."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 CORNERS = [(0, 0), (400, 0), (400, 300), (0, 300), (0, 0)]
 """Of the rectangle of 400 mm x 300 mm."""

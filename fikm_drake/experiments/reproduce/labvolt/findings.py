@@ -3,8 +3,8 @@
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.labvolt.runs import (
     MANY,
     random_start_errors,
@@ -22,7 +22,6 @@ from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
 from fikm_drake.solvers.labvolt.targets import random_targets
 
-Array = NDArray[np.float64]
 REACHABLE, ANYWHERE, CHECKED = 20_000, 20_000, 300
 """Targets: of postures, uniform in a square, and of those out of reach that are checked by SQP."""
 GRID, STARTS = 15, 8

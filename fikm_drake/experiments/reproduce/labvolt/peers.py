@@ -4,16 +4,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.solvers import MathematicalProgram, SnoptSolver, SolverOptions
 
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.labvolt.geometry import MODEL, labvolt
 from fikm_drake.solvers.labvolt.program import make_solver
 
-Array = NDArray[np.float64]
 Solver = Callable[[Array, Array], Array]
 """A target in the base frame (3,) [m] and a start (4,) to joint positions (4,) [rad]."""
 SNOPT_TOLERANCE = 1e-10

@@ -5,14 +5,13 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
 from fikm_drake.solvers.labvolt.targets import random_targets
 
-Array = NDArray[np.float64]
 FEW, MANY = 500, 5000
 """Targets: the paper's number, and ours."""
 SEED = 20

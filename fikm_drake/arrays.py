@@ -1,0 +1,10 @@
+"""The array types of the signatures: shapes stand in the docstrings, `(N,n)` or `(…,4,4)`."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""Numbers: lengths in metres, angles in radians, whatever the docstring says."""
+
+Bools = NDArray[np.bool_]
+"""A mask, such as which of N targets were reached."""
