@@ -11,6 +11,7 @@ from fikm_drake.checks import check_below_one, check_counts, check_not_negative
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
 from fikm_drake.laws.law import as_arrays
+from fikm_drake.laws.normal_equations import normal_equations, normal_equations_of_one
 from fikm_drake.laws.rule_generation.generate import generate_rule_base
 
 METHODS = ("indirect", "direct")
@@ -33,7 +34,8 @@ class FuzzyMapping:
 
     Past the paper, for `indirect`: it is the first of the steps that solve dr = J dθ on the scaled
     Jacobian S = R^-½ J C^-½, whose norm is at most 1. `iterations` of conjugate gradients on S go
-    further with the same J: as many as J has rows reach the pseudo-inverse weighted by R and C.
+    further with the same J: as many as J has rows reach the pseudo-inverse weighted by R and C, and
+    are replaced by one direct solve of the same minimum wherever it is well conditioned.
     `damping` is of S, so it has no unit. `row_floor` and `column_floor` raise the sums smoothly,
     r_i to √(r_i² + (row_floor · max r)²): a direction in which the arm hardly moves is then pushed
     in proportion, not by the sign of what is left of it, and the law is continuous at c_j = 0.
@@ -131,10 +133,16 @@ class FuzzyMapping:
             return columns * pushes[..., 0, :]
         if self.iterations == 1:
             return columns * ((rows * dr)[..., None, :] @ J)[..., 0, :]
+        damping = hypot(self.damping, damping)
+        solved = None
+        if self.iterations >= J.shape[-2]:
+            solved = normal_equations(J, dr, rows, columns, damping)
+            if solved is not None and solved[1].all():
+                return solved[0]
         rows, columns = np.sqrt(rows), np.sqrt(columns)
         S = rows[..., :, None] * J * columns[..., None, :]
-        damping = hypot(self.damping, damping)
-        return columns * conjugate_gradients(S, rows * dr, self.iterations, damping)
+        step = columns * conjugate_gradients(S, rows * dr, self.iterations, damping)
+        return step if solved is None else np.where(solved[1][..., None], solved[0], step)
 
     def step(self, J: Array, dr: Array, damping: float = 0.0) -> Array:
         """The same for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
@@ -151,9 +159,13 @@ class FuzzyMapping:
         columns = self._divisors(columns, self.column_floor)
         if self.iterations == 1:
             return (dr / rows).dot(J) / columns
+        damping = hypot(self.damping, damping)
+        if self.iterations >= m:
+            solved = normal_equations_of_one(J, dr, rows, columns, damping)
+            if solved is not None:
+                return solved
         rows, columns = np.sqrt(rows), np.sqrt(columns)
         S = J / (rows[:, None] * columns)
-        damping = hypot(self.damping, damping)
         return conjugate_gradients_of_one(S, dr / rows, self.iterations, damping) / columns
 
     def _divisors(self, sums: Array, floor: float) -> Array:
