@@ -20,6 +20,7 @@ LAYERS = [
     "checks",
     "arrays",
     "resources",
+    "files",
 ]
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 

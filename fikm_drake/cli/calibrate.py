@@ -3,9 +3,12 @@
 import argparse
 from pathlib import Path
 
+from pydrake.common.yaml import yaml_dump_typed
+
 from fikm_drake.cli.counts import positive_count
 from fikm_drake.cli.exit_codes import OK
 from fikm_drake.cli.progress import progress
+from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.mamdani import MamdaniSystem
 from fikm_drake.resources import find_model
 from fikm_drake.solvers.labvolt.calibration import FIRST_PEAKS, calibrate
@@ -47,5 +50,4 @@ def _write(system: MamdaniSystem, name: str, path: Path) -> None:
     """The system with the comments that head our file of that name."""
     lines = find_model(name, folder="fuzzy").read_text("utf-8").splitlines()
     head = [line for line in lines if line.startswith("#")]
-    system.save(path)
-    path.write_text("\n".join([*head, path.read_text("utf-8")]), "utf-8")
+    write_whole(path, "\n".join([*head, yaml_dump_typed(system.config)]))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from fikm_drake.cli.exit_codes import FAILED, OK
 from fikm_drake.experiments.reproduce.papers import select
+from fikm_drake.files import save_figure
 
 
 def add_reproduce(commands: "argparse._SubParsersAction") -> None:
@@ -42,7 +43,7 @@ def _reproduce(options: argparse.Namespace) -> int:
         missed += [] if section.reached else [name]
         if options.pictures is not None:
             for stem, figure in section.pictures.items():
-                figure.savefig(Path(options.pictures) / f"{stem}.png", dpi=110)
+                save_figure(figure, Path(options.pictures) / f"{stem}.png", dpi=110)
     if missed:
         print(f"fikm-drake: not reached: {', '.join(missed)}", file=sys.stderr)
     return FAILED if missed else OK

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from fikm_drake.control.status import ControllerStatus
+from fikm_drake.files import save_figure
 from fikm_drake.simulation.tracking_log import TrackingLog
 
 SHADES = {
@@ -54,7 +55,7 @@ def plot_log(log: TrackingLog, path: str | Path | None = None) -> Figure:
     arm = log.scenario.load_arm().name
     figure.suptitle(f"{arm}, {log.scenario.control_rate:g} Hz")
     if path is not None:
-        figure.savefig(path, dpi=120)
+        save_figure(figure, path)
     return figure
 
 

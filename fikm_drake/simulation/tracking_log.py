@@ -1,6 +1,7 @@
 """What a run leaves behind."""
 
 import csv
+import io
 import zipfile
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
 from fikm_drake.arrays import Array, Bools
+from fikm_drake.files import whole_file
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics, tracking_metrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
@@ -75,7 +77,7 @@ class TrackingLog:
         arm = self.scenario.load_arm().table  # so that the log outlives the arm's file
         scenario = replace(self.scenario, arm=arm)
         series = {name: getattr(self, name) for name in series_names()}
-        with open(path, "wb") as file:  # an open file: numpy would add .npz to another name
+        with whole_file(path) as file:
             np.savez_compressed(file, format=FORMAT, scenario=yaml_dump_typed(scenario), **series)
 
     @classmethod
@@ -117,11 +119,14 @@ class TrackingLog:
         header += ["gain", "oscillating", "status"]
         columns = [self.desired, self.actual, self.error, self.q, self.joint_step]
         flags = np.stack([self.oscillating.astype(int), self.status], axis=1)
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
+        with whole_file(path) as file:
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+            writer = csv.writer(text)
             writer.writerow(header)
             numbers = np.column_stack([self.time, *columns, self.gain]).tolist()
             writer.writerows([*row, *flag] for row, flag in zip(numbers, flags.tolist()))
+            text.flush()
+            text.detach()
 
 
 def series_names() -> list[str]:

@@ -7,6 +7,7 @@ from pydrake.geometry import Meshcat, MeshcatVisualizer, Rgba
 from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
+from fikm_drake.files import write_whole
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.simulation.tracking_log import TrackingLog
 
@@ -47,7 +48,7 @@ def write_html(log: TrackingLog, path: str | Path, *, meshcat: Meshcat | None = 
         plant.SetPositions(plant_context, log.q[k])
         visualizer.ForcedPublish(visualizer.GetMyContextFromRoot(context))
     visualizer.PublishRecording()
-    Path(path).write_text(meshcat.StaticHtml(), encoding="utf-8")
+    write_whole(path, meshcat.StaticHtml())
 
 
 def _in_space(log: TrackingLog, points: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.arrays import Array
+from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
 from fikm_drake.fuzzy.anfis.checks import checked_inputs, checked_rows
 from fikm_drake.fuzzy.anfis.input_scale import InputScale
@@ -266,7 +267,7 @@ class Anfis:
             OSError: the file cannot be written.
             ValueError: nothing has been learned yet.
         """
-        yaml_dump_typed(self.to_data(), filename=str(path))
+        write_whole(path, yaml_dump_typed(self.to_data()))
 
     @classmethod
     def load(cls, path: str | Path) -> Anfis:

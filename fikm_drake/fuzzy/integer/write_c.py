@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.integer.integer_partition import GRADE, IntegerPartition, check_choice
 from fikm_drake.fuzzy.integer.integer_rule_base import IntegerRuleBase
 
@@ -59,9 +60,9 @@ def write_c(
         note, 96, initial_indent=" * ", subsequent_indent=" * ", break_long_words=False
     ).replace("*/", "* /")
     parts = ("common.c", f"{shape}.c", "self_test.c")
-    source.write_text("".join(_fill(part, words) for part in parts), encoding="utf-8")
+    write_whole(source, "".join(_fill(part, words) for part in parts))
     header = source.with_suffix(".h")
-    header.write_text(_fill("header.h", words), encoding="utf-8")
+    write_whole(header, _fill("header.h", words))
     return source, header
 
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.arrays import Array, Bools
+from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.mamdani.conclusion import Conclusion
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.mamdani.premises import Premises
@@ -140,7 +141,7 @@ class MamdaniSystem:
         Raises:
             OSError: the file cannot be written.
         """
-        yaml_dump_typed(self._config, filename=str(path))
+        write_whole(path, yaml_dump_typed(self._config))
 
     def _columns(self, inputs: ArrayLike) -> tuple[Array, tuple[int, ...]]:
         """Inputs as columns (inputs, N), and the shape of the points."""

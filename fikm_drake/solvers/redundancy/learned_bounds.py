@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.arrays import Array
+from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
@@ -92,7 +93,7 @@ class LearnedBounds:
             self.lower.to_data(),
             self.upper.to_data(),
         )
-        yaml_dump_typed(data, filename=str(path))
+        write_whole(path, yaml_dump_typed(data))
 
     @classmethod
     def load(cls, name_or_path: str | Path) -> LearnedBounds:

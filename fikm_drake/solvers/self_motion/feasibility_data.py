@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.arrays import Array, Bools
+from fikm_drake.files import whole_file
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.self_motion.closest_to_mid_range import closest_to_mid_range
@@ -41,11 +42,8 @@ class FeasibilityData:
 
     def save(self, path: str | Path) -> None:
         """Write a .npz file; one that is there stays whole until the new one is."""
-        whole = Path(path)
-        part = whole.with_name(whole.name + ".part")
-        with part.open("wb") as stream:
+        with whole_file(path) as stream:
             np.savez_compressed(stream, **vars(self))
-        part.replace(whole)
 
     @staticmethod
     def load(path: str | Path) -> "FeasibilityData":
