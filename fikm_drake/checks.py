@@ -54,6 +54,16 @@ def check_counts(least: int = 1, **counts: object) -> None:
             raise ValueError(f"{name} must be an integer of at least {least}, got {count!r}")
 
 
+def check_period(period: float) -> float:
+    """The period [s]; ValueError unless it is positive and finite (Drake lets a negative one pass)."""
+    return check_positive_finite("period", period, "s")
+
+
+def check_bandwidth(bandwidth: float) -> float:
+    """The bandwidth [rad/s]; ValueError unless it is positive and finite."""
+    return check_positive_finite("bandwidth", bandwidth, "rad/s")
+
+
 def _number(value: object) -> float:
     """The value as a float; NaN if it is no number."""
     if isinstance(value, (list, tuple, dict)):

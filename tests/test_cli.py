@@ -9,7 +9,7 @@ import pytest
 
 from fikm_drake import TrackingLog, load_arm
 from fikm_drake.cli import main, models, run
-from fikm_drake.cli.progress import progress
+from fikm_drake.cli.shared import progress
 from fikm_drake.experiments.benchmarks import batch_benchmark
 from fikm_drake.resources import model_names
 

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from fikm_drake.cli.benchmark import add_benchmark
 from fikm_drake.cli.calibrate import add_calibrate
-from fikm_drake.cli.exit_codes import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.run import add_run
+from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.train import add_train
 
 

@@ -2,9 +2,7 @@
 
 import argparse
 
-from fikm_drake.cli.counts import positive_count
-from fikm_drake.cli.exit_codes import OK
-from fikm_drake.cli.progress import progress
+from fikm_drake.cli.shared import OK, positive_count, progress
 from fikm_drake.experiments.benchmarks.registry import BENCHMARKS
 
 

@@ -5,9 +5,7 @@ from pathlib import Path
 
 from pydrake.common.yaml import yaml_dump_typed
 
-from fikm_drake.cli.counts import positive_count
-from fikm_drake.cli.exit_codes import OK
-from fikm_drake.cli.progress import progress
+from fikm_drake.cli.shared import OK, positive_count, progress
 from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.mamdani import MamdaniSystem
 from fikm_drake.resources import find_model

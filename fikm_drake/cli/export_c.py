@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from fikm_drake.cli.exit_codes import FAILED, OK
+from fikm_drake.cli.shared import FAILED, OK
 from fikm_drake.fuzzy.integer import SHAPES
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
 from fikm_drake.fuzzy.integer.integer_rule_base import CONJUNCTIONS

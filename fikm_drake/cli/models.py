@@ -2,7 +2,7 @@
 
 import argparse
 
-from fikm_drake.cli.exit_codes import OK
+from fikm_drake.cli.shared import OK
 from fikm_drake.fuzzy.mamdani import load_mamdani
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import model_names, models_dir

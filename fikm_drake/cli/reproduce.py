@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from fikm_drake.cli.exit_codes import FAILED, OK
+from fikm_drake.cli.shared import FAILED, OK
 from fikm_drake.experiments.reproduce.papers import select
 from fikm_drake.files import save_figure
 

@@ -5,8 +5,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from fikm_drake.cli.exit_codes import FAILED, INTERRUPTED, OK
-from fikm_drake.cli.progress import progress
+from fikm_drake.cli.shared import FAILED, INTERRUPTED, OK, progress
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate

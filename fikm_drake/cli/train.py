@@ -6,9 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from fikm_drake.cli.counts import positive_count
-from fikm_drake.cli.exit_codes import FAILED, OK
-from fikm_drake.cli.progress import progress
+from fikm_drake.cli.shared import FAILED, OK, positive_count, progress
 from fikm_drake.experiments.reproduce.anfis.seven_joints import train_freedom
 from fikm_drake.experiments.reproduce.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis

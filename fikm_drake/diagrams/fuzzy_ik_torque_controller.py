@@ -7,9 +7,9 @@ from pydrake.systems.controllers import InverseDynamicsController
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 from pydrake.systems.primitives import Adder, Demultiplexer, Gain
 
+from fikm_drake.checks import check_bandwidth
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.laws.law import Law
-from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.last_finite import LastFinite

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
-from fikm_drake.fuzzy.text_table import aligned
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 
@@ -178,3 +178,11 @@ class RuleBase:
             for label, row in zip(self._first.labels, self._rows)
         ]
         return aligned([header, *body])
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> str:
+    """Rows of equally many cells as lines of equal length, columns to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return "\n".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in rows
+    )

@@ -127,7 +127,7 @@ class DhArm:
 
         Column j is [z_j; z_j × (p_tool − p_j)] for a revolute joint and [0; z_j] for a prismatic
         one, with the joint's own (modified DH) axis. Equations 6 and 7 of Xu & Nechyba 1993 as
-        printed give the velocity of another point; see `shared/reference/fikm.md`.
+        printed leave out the arm from the base to joint j: theirs is the velocity of another point.
 
         Args:
             q: joint positions (…,n) [rad or m].

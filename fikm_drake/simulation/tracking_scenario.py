@@ -10,12 +10,11 @@ from numpy.typing import ArrayLike
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_not_negative
+from fikm_drake.checks import check_bandwidth, check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import load_model
-from fikm_drake.systems.checks import check_bandwidth
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 

@@ -6,11 +6,10 @@ from math import inf
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_counts
+from fikm_drake.checks import check_counts, check_period
 from fikm_drake.control.gain_supervision import MAX_JOINTS, GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.steps import length
-from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.valid_port import declare_valid_port
 
 

@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from fikm_drake.checks import check_counts, check_positive, check_positive_finite
+from fikm_drake.checks import check_counts, check_period, check_positive, check_positive_finite
 from fikm_drake.control.follow import follow
 from fikm_drake.control.steps import all_finite
-from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
 

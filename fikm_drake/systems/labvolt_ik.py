@@ -12,6 +12,7 @@ from pydrake.systems.framework import (
 )
 
 from fikm_drake.arrays import Array
+from fikm_drake.checks import check_period
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.labvolt.follow import follow
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
@@ -19,7 +20,6 @@ from fikm_drake.solvers.labvolt.geometry import MODEL
 from fikm_drake.solvers.labvolt.program import make_solver
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, check_tolerance
-from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.joint_integrator import check_position
 
 

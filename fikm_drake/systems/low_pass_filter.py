@@ -3,8 +3,7 @@
 import numpy as np
 from pydrake.systems.primitives import LinearSystem
 
-from fikm_drake.checks import check_below_one, check_counts, check_finite
-from fikm_drake.systems.checks import check_period
+from fikm_drake.checks import check_below_one, check_counts, check_finite, check_period
 
 
 class LowPassFilter(LinearSystem):

@@ -6,11 +6,10 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.checks import check_positive
+from fikm_drake.checks import check_period, check_positive
 from fikm_drake.control.restart_search import RestartSearch
 from fikm_drake.control.steps import all_finite, length
 from fikm_drake.kinematics.task import Task
-from fikm_drake.systems.checks import check_period
 from fikm_drake.systems.tool_kinematics import ToolKinematics
 from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.valid_port import declare_valid_port

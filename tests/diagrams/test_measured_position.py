@@ -70,7 +70,7 @@ def largest_gain(delay):
 
 
 def test_largest_gain_without_delay_is_that_of_the_paper_s_filter():
-    """Stable for 0 < λK < 10, as shared/reference says; one cycle's delay leaves a tenth of it."""
+    """Stable for 0 < λK < 10, Schur bound, paper's filter; one cycle's delay leaves a tenth of it."""
     assert largest_gain(0) == pytest.approx(10.0)
     assert largest_gain(1) == pytest.approx(1.0)
     assert largest_gain(3) < largest_gain(2) < 1.0

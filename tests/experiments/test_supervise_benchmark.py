@@ -16,7 +16,7 @@ from fikm_drake.experiments.benchmarks.supervise_benchmark import (
 
 
 def test_supervision_ends_the_chatter_and_keeps_the_tracking():
-    """At the pose of shared/reference/fikm.md Drake's controller shakes by 0.606 rad/s, 99 a second."""
+    """At a pose out of reach Drake's controller shakes by 0.606 rad/s, 99 a second."""
     before, after = supervise_benchmark(arms=["iiwa14"], poses=1, seed=3)
     assert before.unrest == pytest.approx(0.606, abs=1e-3) and before.reversals == 99
     assert after.unrest < before.unrest / 50.0 and after.reversals == 0

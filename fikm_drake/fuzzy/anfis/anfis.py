@@ -12,12 +12,10 @@ from pydrake.common.yaml import yaml_dump_typed
 from fikm_drake.arrays import Array
 from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
-from fikm_drake.fuzzy.anfis.checks import checked_inputs, checked_rows
-from fikm_drake.fuzzy.anfis.input_scale import InputScale
-from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
+from fikm_drake.fuzzy.anfis.inputs import InputScale, checked_inputs, checked_rows
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
-from fikm_drake.fuzzy.anfis.network import Network, even_network
-from fikm_drake.fuzzy.anfis.readable_rules import readable_rules
+from fikm_drake.fuzzy.anfis.network import Network, even_network, readable_rules
+from fikm_drake.fuzzy.anfis.projection import LeastSquares
 from fikm_drake.fuzzy.anfis.training import METHODS, first_networks
 from fikm_drake.resources import load_yaml
 

@@ -3,11 +3,13 @@
 Arrays run over the N values last (structure of arrays), so that numpy works on long rows.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.fuzzy.anfis.inputs import InputScale
 from fikm_drake.fuzzy.anfis.membership_kinds import MembershipKind
 
 
@@ -111,3 +113,26 @@ def _normalised(log_grades: Array) -> Array:
     grades = np.exp(log_grades - log_grades.max(axis=0))
     grades /= grades.sum(axis=0)
     return grades
+
+
+def readable_rules(
+    network: Network, coefficients: Array, scale: InputScale, names: Sequence[str]
+) -> list[str]:
+    """Rules in the units of the inputs, the last input running fastest; a membership goes by its center."""
+    *inputs, output = names
+    table = coefficients.reshape(-1, network.num_terms)
+    slopes = table[:, 1:]
+    constants = table[:, 0]
+    if network.order:
+        slopes = slopes / scale.half
+        constants = constants - slopes @ scale.middle
+    lines = []
+    for r, rule in enumerate(np.ndindex(network.shape)):
+        premise = " AND ".join(
+            f"{name} is about {scale.middle[k] + scale.half[k] * network.premises[k][0, i]:.4g}"
+            for k, (name, i) in enumerate(zip(inputs, rule))
+        )
+        terms = [f"{constants[r]:.4g}"]
+        terms += [f"{'+-'[int(q < 0)]} {abs(q):.4g} {name}" for q, name in zip(slopes[r], inputs)]
+        lines.append(f"IF {premise} THEN {output} = {' '.join(terms)}")
+    return lines

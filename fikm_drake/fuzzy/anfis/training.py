@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.network import Network
+from fikm_drake.fuzzy.anfis.projection import LeastSquares
 
 FIRST_STEP = 0.05
 """Length of the first gradient step in the premise parameters [-]."""

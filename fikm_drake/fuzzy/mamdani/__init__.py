@@ -5,9 +5,8 @@ three steps, in that order: `Premises` (how strongly each rule fires), `Conclusi
 aggregation, defuzzification, once an output), and the default where no rule fires.
 """
 
-from fikm_drake.fuzzy.mamdani.load_mamdani import load_mamdani
 from fikm_drake.fuzzy.mamdani.mamdani_config import FuzzyRule, MamdaniConfig
-from fikm_drake.fuzzy.mamdani.mamdani_system import Inference, MamdaniSystem
+from fikm_drake.fuzzy.mamdani.mamdani_system import Inference, MamdaniSystem, load_mamdani
 from fikm_drake.fuzzy.mamdani.plots import plot_memberships, plot_surface
 
 __all__ = [

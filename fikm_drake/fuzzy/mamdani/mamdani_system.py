@@ -14,6 +14,7 @@ from fikm_drake.fuzzy.mamdani.conclusion import Conclusion
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 from fikm_drake.fuzzy.mamdani.premises import Premises
 from fikm_drake.fuzzy.mamdani.rule_text import rule_grid, rule_lines, rule_table
+from fikm_drake.resources import load_model
 
 CHUNK = 100_000
 """Numbers in the largest array of one pass over a batch: few enough for the cache."""
@@ -151,3 +152,17 @@ class MamdaniSystem:
             names = ", ".join(variable.axis for variable in self._config.inputs)
             raise ValueError(f"inputs must have shape (..., {size}): {names}; got {x.shape}")
         return x.reshape(-1, size).T, x.shape[:-1]
+
+
+def load_mamdani(name_or_path: str | Path) -> MamdaniSystem:
+    """Load a Mamdani system by the name of one of ours or from a YAML file of your own.
+
+    Args:
+        name_or_path: such as `labvolt_theta3`, or a path that ends in .yaml.
+
+    Raises:
+        FileNotFoundError: there is no such file; the message lists ours.
+        ValueError: the file does not describe a Mamdani system; the message says what is wrong.
+    """
+    config = load_model(MamdaniConfig, name_or_path, folder="fuzzy", kind="fuzzy system")
+    return MamdaniSystem(config)

@@ -2,7 +2,7 @@
 
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
-from fikm_drake.fuzzy.text_table import aligned
+from fikm_drake.fuzzy.rule_base import aligned
 
 HOLE = "-"
 

@@ -10,9 +10,8 @@ needs fewer rules for a smaller true error.
 from fikm_drake.laws.rule_generation.araki import generate_araki
 from fikm_drake.laws.rule_generation.data_table import data_table, quarter_table, table_error
 from fikm_drake.laws.rule_generation.generate import METHODS, generate_rule_base
-from fikm_drake.laws.rule_generation.generated_rule_base import GeneratedRuleBase
+from fikm_drake.laws.rule_generation.generated_rule_base import GeneratedRuleBase, Split
 from fikm_drake.laws.rule_generation.least_squares import generate_least_squares
-from fikm_drake.laws.rule_generation.split import Split
 
 __all__ = [
     "METHODS",

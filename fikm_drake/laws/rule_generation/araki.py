@@ -27,8 +27,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 from fikm_drake.laws.rule_generation.data_table import quarter_table, table_error
-from fikm_drake.laws.rule_generation.generated_rule_base import GeneratedRuleBase
-from fikm_drake.laws.rule_generation.split import Split
+from fikm_drake.laws.rule_generation.generated_rule_base import GeneratedRuleBase, Split
 
 # A data vector with all that a sweep needs to know of it: its region (i, j), the truths of the four
 # rules there, dθ, and how many vectors of the whole table it stands for. A bare tuple, because the

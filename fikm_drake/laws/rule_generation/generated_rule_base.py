@@ -3,13 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from numpy.typing import ArrayLike
 
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
-from fikm_drake.laws.rule_generation.split import Split
+
+
+@dataclass(frozen=True)
+class Split:
+    """A membership that the generator added (figure 5 of Xu and Nechyba, 1993).
+
+    Attributes:
+        epoch: number of sweeps over the data made before it.
+        input: "dr" or "J".
+        knot: peak of the new membership in the positive half of the range [unit of the input]; its
+            mirror image -knot is added with it.
+        error_before: inference error of the last sweep before it [unit of the output].
+    """
+
+    epoch: int
+    input: str
+    knot: float
+    error_before: float
 
 
 class GeneratedRuleBase(RuleBase):

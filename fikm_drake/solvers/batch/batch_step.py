@@ -15,7 +15,7 @@ def batch_step(
 
     S = R^-½ J C^-½ is the Jacobian scaled by the fuzzy mapping's row sums R and column sums C, so
     its norm is at most 1 and the damping is dimensionless. Conjugate gradients of m steps reach the
-    same minimum (`laws.conjugate_gradients`, `shared/DESIGN.md`); here the m x m normal equations
+    same minimum (`laws.conjugate_gradients`); here the m x m normal equations
     (S Sᵀ + damping) y = R^-½ e are solved directly, in three quarters of the time.
 
     Args:

@@ -1,7 +1,7 @@
 """Bounds of the redundant joint, learned by two ANFIS."""
 
-from __future__ import annotations
-
+# No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -10,12 +10,32 @@ from pydrake.common.yaml import yaml_dump_typed
 from fikm_drake.arrays import Array
 from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.anfis.anfis import Anfis
+from fikm_drake.fuzzy.anfis.anfis_data import AnfisData
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.task import Task
 from fikm_drake.resources import find_model, load_yaml, model_names
-from fikm_drake.solvers.redundancy.bounds_data import BoundsData
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
 from fikm_drake.solvers.redundancy.tool_targets import checked_points
+
+
+@dataclass
+class BoundsData:
+    """Learned bounds, as YAML."""
+
+    arm: DhTable = field(default_factory=DhTable)
+    """The arm that they are of."""
+    task: str = "xy"
+    """What the points fix: `xy` or `pose`."""
+    joint: int = 1
+    """Whose bounds they are, from 1."""
+    inputs: str = "polar"
+    """`xy` or `polar`."""
+    lower: AnfisData = field(default_factory=AnfisData)
+    """Learned lower bound of the joint [rad]."""
+    upper: AnfisData = field(default_factory=AnfisData)
+    """Learned upper bound of the joint [rad]."""
+
 
 FOLDER = "bounds"
 """Where in `models/` the bounds are that come with the library."""
@@ -96,7 +116,7 @@ class LearnedBounds:
         write_whole(path, yaml_dump_typed(data))
 
     @classmethod
-    def load(cls, name_or_path: str | Path) -> LearnedBounds:
+    def load(cls, name_or_path: str | Path) -> "LearnedBounds":
         """Read bounds that come with the library, by their name, or your own, by the path of the file.
 
         Raises:
@@ -112,7 +132,7 @@ class LearnedBounds:
             raise ValueError(f"{path}: {error}") from error
 
     @classmethod
-    def find(cls, arm: DhArm, task: str = "xy", joint: int = 1) -> LearnedBounds | None:
+    def find(cls, arm: DhArm, task: str = "xy", joint: int = 1) -> "LearnedBounds | None":
         """The bounds of an arm that come with the library; None if there are none.
 
         `train_bounds` or `fikm-drake train` makes others.

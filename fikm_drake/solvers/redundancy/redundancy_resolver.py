@@ -7,12 +7,10 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.redundancy.closed_form_region import ClosedFormRegion
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
-from fikm_drake.solvers.redundancy.region import Region
+from fikm_drake.solvers.redundancy.region import ClosedFormRegion, Region, TracedRegion
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
 from fikm_drake.solvers.redundancy.tool_targets import as_poses, checked_points, tool_errors
-from fikm_drake.solvers.redundancy.traced_region import TracedRegion
 
 
 class RedundancyResolver:

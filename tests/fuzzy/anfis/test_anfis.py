@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
+from fikm_drake.fuzzy.anfis.projection import LeastSquares
 from fikm_drake.fuzzy.anfis.training import METHODS
 
 LINKS = 10.0, 7.0

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fikm_drake.fuzzy.anfis.least_squares import LeastSquares
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
 from fikm_drake.fuzzy.anfis.network import Network
+from fikm_drake.fuzzy.anfis.projection import LeastSquares
 
 CASES = list(itertools.product(KINDS, (0, 1), ((3,), (3, 4), (2, 3, 2))))
 
