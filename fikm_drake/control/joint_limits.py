@@ -7,14 +7,22 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
 
+FARTHEST = 1e9
+"""A joint without a position limit goes no farther, so that a command keeps its digits [rad or m]."""
+
 
 class JointLimits:
-    """Adds joint steps to a position, held to limits so that the arm can always stop inside them.
+    """What a joint step of this cycle may be, so that the arm can always stop inside its limits.
 
-    A step that is too fast for a joint is shortened as a whole, which keeps its direction. With limits
-    of acceleration each joint's step then changes by no more than they allow from the last one, and is
-    no longer than what can be braked before the joint's limit; and the whole is shortened so that it
-    can be braked within its own length, since that is what is known of the way to the target.
+    `step_bounds` is the law of the limits: a box of steps, never empty, that holds the shortest
+    stop. The guard of a cycle keeps to it; `control.saturation` solves for the other joints where one is at
+    its bound.
+
+    `integrate` is for steps of which nothing more is known: one that is too fast for a joint is shortened
+    as a whole, which keeps its direction. With limits of acceleration each joint's step then changes
+    by no more than they allow from the last one, and is no longer than what can be braked before the joint's
+    limit; and the whole is shortened so that it can be braked within its own length, since that is
+    what is known of the way to the target.
 
     Args:
         lower: lower position limits (n,) [rad or m]; −inf for none.
@@ -36,13 +44,54 @@ class JointLimits:
         velocity_limits: ArrayLike = inf,
         acceleration_limits: ArrayLike = inf,
     ) -> None:
-        self.lower, self.upper = lower, upper
+        self.lower, self.upper = np.maximum(lower, -FARTHEST), np.minimum(upper, FARTHEST)
         self._period = period
-        n = len(lower)
+        n = len(self.lower)
         self._fastest = _each("velocity_limits", velocity_limits, n) * period
+        self._slowest = -self._fastest
         self._change = _each("acceleration_limits", acceleration_limits, n) * period**2
-        self._brakes = bool(np.isfinite(self._change).any())
-        self._rated = self._brakes or bool(np.isfinite(self._fastest).any())
+        self.brakes = bool(np.isfinite(self._change).any())
+        """Whether a joint has a limit of acceleration."""
+        self._fast = bool(np.isfinite(self._fastest).any())
+
+    def step_bounds(self, position: Array, velocity: Array) -> tuple[Array, Array]:
+        """The least and the greatest step (n,), (n,) of each joint in this cycle [rad or m].
+
+        Never empty: a joint inside its limits that kept to these bounds before can go on to do so, and
+        limits of position and speed come before those of acceleration for one that did not.
+
+        Args:
+            position: of the command (n,), inside the limits [rad or m].
+            velocity: the change of the command in the last cycle over the period (n,) [rad/s or m/s].
+        """
+        low, high = self.lower - position, self.upper - position
+        if self.brakes:
+            low, high = -self._braking(-low), self._braking(high)
+        if self._fast:
+            low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
+        if self.brakes:
+            last = velocity * self._period
+            slower, faster = last - self._change, last + self._change
+            low, high = (
+                np.minimum(np.maximum(low, slower), high),
+                np.maximum(np.minimum(high, faster), low),
+            )
+        return low, high
+
+    def longest(self, step: Array) -> Array:
+        """How much (n,) of each joint's step (n,) can be braked within the step's own length."""
+        return np.minimum(self._fastest, self._braking(np.abs(step)))
+
+    def shorten(self, step: Array) -> Array:
+        """The step (n,), shortened as a whole to what speed and `longest` allow each joint."""
+        if self.brakes:
+            longest = self.longest(step)
+        elif self._fast:
+            longest = self._fastest
+        else:
+            return step
+        excess = float((np.abs(step) / np.maximum(longest, 1e-300)).max())
+        return step / excess if excess > 1.0 else step
 
     def integrate(self, position: Array, step: Array, velocity: Array) -> Array:
         """The position (n,) after the step, as far as it is allowed.
@@ -52,8 +101,7 @@ class JointLimits:
             step: the joint step that is asked for (n,) [rad or m].
             velocity: the change of the position in the last cycle over the period (n,) [rad/s or m/s].
         """
-        if self._rated:
-            step = self._rate(position, step, velocity)
+        step = self._rate(position, step, velocity)
         return np.minimum(np.maximum(position + step, self.lower), self.upper)
 
     def limits(self, position: Array, step: Array, velocity: Array) -> bool:
@@ -61,22 +109,14 @@ class JointLimits:
         moved = position + step
         if (moved < self.lower).any() or (moved > self.upper).any():
             return True
-        return self._rated and bool((self._rate(position, step, velocity) != step).any())
+        return bool((self._rate(position, step, velocity) != step).any())
 
     def _rate(self, position: Array, step: Array, velocity: Array) -> Array:
-        size = np.abs(step)
-        fastest = self._fastest
-        if self._brakes:
-            fastest = np.minimum(fastest, self._braking(size))
-        excess = float((size / np.maximum(fastest, 1e-300)).max())
-        if excess > 1.0:
-            step = step / excess
-        if not self._brakes:
+        step = self.shorten(step)
+        if not self.brakes:
             return step
-        last = velocity * self._period
-        step = np.clip(step, last - self._change, last + self._change)
-        low, high = self._braking(position - self.lower), self._braking(self.upper - position)
-        return np.clip(step, -low, high)
+        low, high = self.step_bounds(position, velocity)
+        return np.minimum(np.maximum(step, low), high)
 
     def _braking(self, distance: Array) -> Array:
         """The longest step (n,) after which a stop within `distance` (n,) is possible.

@@ -1,6 +1,6 @@
 """The small steps of a control cycle on vectors: the blocks and the fused block call the same."""
 
-from math import isfinite, sqrt
+from math import inf, sqrt
 from typing import TypeVar
 
 from fikm_drake.arrays import Array
@@ -8,14 +8,19 @@ from fikm_drake.arrays import Array
 Signal = TypeVar("Signal", float, Array)
 
 
+LARGEST = 1e100
+"""A vector that is longer counts as not finite: what is computed from it could overflow."""
+
+
 def length(vector: Array) -> float:
-    """Euclidean length of a vector (n,); not finite if an element is not (or passes 1e154)."""
-    return sqrt(vector.dot(vector))
+    """Euclidean length of a vector (n,); inf if an element is NaN, or the length passes `LARGEST`."""
+    square = vector.dot(vector)
+    return sqrt(square) if square < LARGEST**2 else inf
 
 
 def all_finite(vector: Array) -> bool:
-    """True if no element of a vector (n,) is NaN or infinite (or passes 1e154)."""
-    return isfinite(vector.dot(vector))
+    """True if no element of a vector (n,) is NaN or infinite, and its length is below `LARGEST`."""
+    return bool(vector.dot(vector) < LARGEST**2)
 
 
 def amplify(gain: float, error: Array, size: float, limit: float) -> Array:
