@@ -43,6 +43,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
@@ -170,6 +171,7 @@ __all__ = [
     "SelfMotionComponent",
     "SelfMotionStatus",
     "SelfMotionTracer",
+    "SerialChain",
     "SimulationStopped",
     "StatusMonitor",
     "SupervisedDifferentialIk",

@@ -6,14 +6,13 @@ its length across the axis and its length along it matter, since the joint can t
 direction about the axis.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, inf, isinf, sqrt
 
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.kinematics.dh_table import DhJoint
+from fikm_drake.kinematics.serial_chain import SerialChain
 
 
 @dataclass(frozen=True)
@@ -30,13 +29,20 @@ class _Extent:
         across = _max_across(self.across, self.along, cosine, sine)
         return _Extent(min(across, self.length), min(along, self.length), self.length)
 
-    def through_row(self, origin: Array, d: float) -> "_Extent":
-        """Bounds one frame down: first |d| along z, then the twist and length of `origin`."""
-        a = abs(origin[0, 3])
+    def through(self, pose: Array, offset: tuple[float, float]) -> "_Extent":
+        """Bounds one frame down, whose z can be turned to: the joint's travel, then its fixed pose.
+
+        Args:
+            pose: of the joint's frame in the one before it.
+            offset: least and greatest position along the joint's own z, the pose's part included.
+        """
+        d = max(abs(offset[0]), abs(offset[1]))
+        aside = pose[:3, 3] - (pose[:3, 3] @ pose[:3, 2]) * pose[:3, 2]
+        across, along = float(np.hypot(*aside[:2])), abs(float(aside[2]))
         raised = _Extent(self.across, self.along + d, self.length + d)
-        turned = raised.rotated_x(*_twist(origin))
-        length = self.length + hypot(a, d)  # a along x and d across it
-        return _Extent(min(turned.across + a, length), min(turned.along, length), length)
+        turned = raised.rotated_x(*_tilt(pose))
+        length = self.length + hypot(across, along, d)  # aside is across d
+        return _Extent(min(turned.across + across, length), turned.along + along, length)
 
 
 def _times(factor: float, bound: float) -> float:
@@ -53,49 +59,43 @@ def _max_across(R: float, Z: float, cosine: float, sine: float) -> float:
     return sqrt(R * R * (1 - t * t) + (R * t * cosine + Z * sine) ** 2)
 
 
-def jacobian_range(joints: Sequence[DhJoint], origins: Sequence[Array], tool: Array) -> Array:
-    """Bounds (6,n) of |J_ij|, rows [ω; v], over all joint positions.
+def jacobian_range(chain: SerialChain) -> Array:
+    """Bounds (6,n) of |J_ij|, rows [ω; v], over all joint positions of a chain.
 
-    Args:
-        joints: the rows of the table.
-        origins: (4,4) each; the part Rx(α) Tx(a) that begins each modified DH row.
-        tool: (4,4) pose of the tool in the last link's frame.
+    Revolute joints are taken to turn freely; prismatic ones move within their limits.
     """
-    n = len(joints)
+    n, before = chain.num_joints, chain.before
     bound = np.zeros((6, n))
-    x, y, z = np.abs(tool[:3, 3])
+    x, y, z = np.abs(chain.tool[:3, 3])
     # From the link's origin to the tool, in the link's frame.
     to_tool = _Extent(hypot(x, y), z, hypot(x, y, z))
     for j in reversed(range(n)):
-        if joints[j].is_revolute:
-            bound[:3, j] = _in_base(_Extent(0.0, 1.0, 1.0), origins[: j + 1])
-            bound[3:, j] = _in_base(_Extent(to_tool.across, 0.0, to_tool.across), origins[: j + 1])
+        if chain.revolute[j]:
+            bound[:3, j] = _in_base(_Extent(0.0, 1.0, 1.0), before[: j + 1])
+            bound[3:, j] = _in_base(_Extent(to_tool.across, 0.0, to_tool.across), before[: j + 1])
         else:
-            bound[3:, j] = _in_base(_Extent(0.0, 1.0, 1.0), origins[: j + 1])
-        # The joint adds its offset along z, then the row's twist and length lead one frame down.
-        to_tool = to_tool.through_row(origins[j], _largest_offset(joints[j]))
+            bound[3:, j] = _in_base(_Extent(0.0, 1.0, 1.0), before[: j + 1])
+        # The joint adds its offset along z, then its pose leads one frame down.
+        d = float(before[j][:3, 3] @ before[j][:3, 2])
+        travel = (0.0, 0.0) if chain.revolute[j] else (chain.lower[j], chain.upper[j])
+        to_tool = to_tool.through(before[j], (d + travel[0], d + travel[1]))
     return bound
 
 
-def _in_base(extent: _Extent, origins: Sequence[Array]) -> Array:
-    """Bounds of the base frame's components of a vector given in the last frame of `origins`."""
-    for origin in reversed(origins[1:]):
-        extent = extent.rotated_x(*_twist(origin))
-    cosine, sine = _twist(origins[0])
-    across, along = extent.across, extent.along
-    y = _times(cosine, across) + _times(sine, along)
-    z = _times(sine, across) + _times(cosine, along)
-    return np.minimum([across, y, z], extent.length)
+def _in_base(extent: _Extent, before: Array) -> Array:
+    """Bounds of the base frame's components of a vector given in the last of the joints' frames."""
+    for pose in before[:0:-1]:
+        extent = extent.rotated_x(*_tilt(pose))
+    tilts = [_clean(hypot(*row[:2]), abs(row[2])) for row in before[0][:3, :3]]
+    parts = [_times(sine, extent.across) + _times(cosine, extent.along) for sine, cosine in tilts]
+    return np.minimum(parts, extent.length)
 
 
-def _twist(origin: Array) -> tuple[float, float]:
-    """|cos| and |sin| of the twist, with the rounding of a right angle or none taken out."""
-    cosine, sine = abs(origin[1, 1]), abs(origin[2, 1])
+def _tilt(pose: Array) -> tuple[float, float]:
+    """|cos| and |sin| of the angle between the two frames' z."""
+    return _clean(abs(pose[2, 2]), hypot(*pose[2, :2]))
+
+
+def _clean(cosine: float, sine: float) -> tuple[float, float]:
+    """Both with the rounding of a right angle or none taken out."""
     return (1.0, 0.0) if sine < 1e-15 else (0.0, 1.0) if cosine < 1e-15 else (cosine, sine)
-
-
-def _largest_offset(joint: DhJoint) -> float:
-    if joint.is_revolute:
-        return abs(joint.d)
-    lower, upper = joint.limits
-    return max(abs(joint.d + lower), abs(joint.d + upper))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.solvers.batch.batch_arm import Frames
+from fikm_drake.kinematics.frames import Frames
 from fikm_drake.solvers.batch.rotation_error import rotation_error
 
 TASKS = ("position", "pose")

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.solvers.batch.batch_arm import BatchArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.solvers.batch.batch_step import batch_step
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 
@@ -44,7 +44,7 @@ class Descent:
             and not in leaps around it.
     """
 
-    arm: BatchArm
+    arm: SerialChain
     limits: tuple[Array, Array] | None
     tolerance: tuple[float, float]
     max_cycles: int
@@ -103,7 +103,7 @@ class Descent:
                 extra = extra[keep]
                 q, error, size = q.take(keep, axis=1), error.take(keep, axis=1), size[keep]
                 targets, frames, best = targets.take(keep), frames.select(keep), best.take(keep)
-            J = self.arm.jacobian(frames, targets.length(LENGTH))
+            J = frames.jacobian(targets.length(LENGTH))
             if not self.careful:
                 q = self._step(q, J, error, size)
                 continue

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
-from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.solvers.batch.batch_arm import BatchArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 
 SIZE = 1024
@@ -25,26 +24,23 @@ class PosturePool:
 
     Args:
         arm: the arm.
-        kinematics: the arm's.
         length: the characteristic length that multiplies rotations [m].
         seed: of the random numbers.
         size: number of postures.
     """
 
-    def __init__(
-        self, arm: DhArm, kinematics: BatchArm, length: float, seed: int, size: int = SIZE
-    ) -> None:
+    def __init__(self, arm: SerialChain, length: float, seed: int, size: int = SIZE) -> None:
         lower, upper = start_range(arm)
         uniform = np.random.default_rng(seed).random((size, arm.num_joints))
         self.q = np.ascontiguousarray((lower + (upper - lower) * uniform).T)
-        self._kinematics = kinematics
+        self._arm = arm
         # |A − B|² of rotation matrices is 4 (1 − cos θ), about 2 θ².
         self._scale = length / np.sqrt(2.0)
 
     @cached_property
     def _features(self) -> tuple[Array, Array]:
         """Of the postures' tool frames: positions (3,size) and scaled axes (9,size) [m]."""
-        frames = self._kinematics.frames(self.q)
+        frames = self._arm.frames(self.q)
         return frames.position, self._scale * frames.rotation.reshape(9, -1)
 
     def nearest(self, targets: BatchTargets, count: int, skip: int = 0) -> NDArray[np.intp]:
@@ -75,9 +71,9 @@ class PosturePool:
         return found
 
 
-def start_range(arm: DhArm) -> tuple[Array, Array]:
+def start_range(arm: SerialChain) -> tuple[Array, Array]:
     """Limits (n,) and (n,) that are finite for every joint [rad or m]; see `PosturePool`."""
-    span = np.array([2.0 * np.pi if joint.is_revolute else 2.0 for joint in arm.table.joints])
+    span = np.array([2.0 * np.pi if turns else 2.0 for turns in arm.revolute])
     lower, upper = arm.lower, arm.upper
     low = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - span, -span / 2))
     return low, np.where(np.isfinite(upper), upper, low + span)

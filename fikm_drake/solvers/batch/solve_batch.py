@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.solvers.batch.batch_arm import BatchArm
 from fikm_drake.solvers.batch.batch_solution import BatchSolution, BatchStatus
 from fikm_drake.solvers.batch.batch_targets import BatchTargets, checked_targets
 from fikm_drake.solvers.batch.descent import LENGTH, Descent, Ends
@@ -84,10 +83,10 @@ def solve_batch(
         np.full(count, np.nan),
         np.full(count, np.nan),
     )
-    kinematics = BatchArm(arm)
-    pool = PosturePool(arm, kinematics, LENGTH, seed, max(SIZE, restarts + 1))
+    chain = arm.chain
+    pool = PosturePool(chain, LENGTH, seed, max(SIZE, restarts + 1))
     bounds = (arm.lower, arm.upper) if limits else None
-    quick = Descent(kinematics, bounds, pair, max_cycles)
+    quick = Descent(chain, bounds, pair, max_cycles)
     careful = replace(quick, max_cycles=2 * max_cycles, careful=True)
     for chunk in _chunks(np.flatnonzero(valid), CHUNK):
         far = out_of_reach(arm, array[chunk], pair, limits=limits)
@@ -137,7 +136,7 @@ def _chunks(rows: NDArray[np.intp], size: int) -> Iterator[NDArray[np.intp]]:
 
 
 def _middle(arm: DhArm) -> Array:
-    return np.mean(start_range(arm), axis=0)
+    return np.mean(start_range(arm.chain), axis=0)
 
 
 def _checked_tolerance(tolerance: float | tuple[float, float]) -> tuple[float, float]:

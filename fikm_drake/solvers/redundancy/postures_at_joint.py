@@ -6,7 +6,6 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.batch.batch_arm import BatchArm
 from fikm_drake.solvers.batch.batch_step import solve_positive_definite
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 from fikm_drake.solvers.batch.posture_pool import PosturePool
@@ -44,8 +43,7 @@ class PosturesAtJoint:
 
     def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
         self._arm, self._task, self._joint = arm, task, joint
-        self._kinematics = BatchArm(arm)
-        self._pool = PosturePool(arm, self._kinematics, task.characteristic_length, seed=0)
+        self._pool = PosturePool(arm.chain, task.characteristic_length, seed=0)
         self._others = np.delete(np.arange(arm.num_joints), joint)
         self._middle = middle_of_limits(arm.lower, arm.upper)
 
@@ -76,7 +74,7 @@ class PosturesAtJoint:
         q[self._joint] = positions[rows]
         self._descend(q, targets.take(rows))
         q = q.T
-        q += np.where(self._kinematics.revolute, nearest_turn(q, self._middle), 0.0)
+        q += np.where(arm.chain.revolute, nearest_turn(q, self._middle), 0.0)
         distance, turn = tool_errors(arm, self._task, q, poses[rows])
         inside = ((q >= arm.lower) & (q <= arm.upper)).all(axis=1)
         good = inside & (distance < MET) & (turn < MET)
@@ -86,13 +84,13 @@ class PosturesAtJoint:
 
     def _descend(self, q: Array, targets: BatchTargets) -> None:
         """Move the other joints of starts `q` (n,L) towards one target each, in place."""
-        task, others, kinematics = self._task, self._others, self._kinematics
+        task, others = self._task, self._others
         active = np.arange(q.shape[1])
         for _ in range(ITERATIONS):
-            frames = kinematics.frames(q[:, active])
+            frames = self._arm.chain.frames(q[:, active])
             error, _, _ = targets.take(active).error(frames, task.characteristic_length)
             error = error[task.rows]
-            J = kinematics.jacobian(frames, task.characteristic_length)[task.rows][:, others]
+            J = frames.jacobian(task.characteristic_length)[task.rows][:, others]
             square = np.sum(error * error, axis=0)
             M = np.einsum("ijl,ikl->jkl", J, J)
             M[np.arange(len(others)), np.arange(len(others))] += DAMPING * square + TINY

@@ -76,7 +76,7 @@ def random_tool_poses(arm: DhArm, count: int, seed: int, *, near_limits: float =
     if not count > 0:
         raise ValueError(f"count must be positive, got {count!r}")
     rng, shape = np.random.default_rng(seed), (count, arm.num_joints)
-    lower, upper = start_range(arm)
+    lower, upper = start_range(arm.chain)
     share, ends = rng.random(shape), rng.integers(0, 2, shape)
     moved = (rng.random(shape) < 0.5) & (rng.random((count, 1)) < near_limits)
     share = np.where(moved, np.abs(ends - NEAR * share), share)

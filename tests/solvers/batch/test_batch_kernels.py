@@ -10,7 +10,6 @@ from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients
 from fikm_drake.resources import model_names
-from fikm_drake.solvers.batch.batch_arm import BatchArm
 from fikm_drake.solvers.batch.batch_step import batch_step, solve_positive_definite
 from fikm_drake.solvers.batch.reach import out_of_reach
 from fikm_drake.solvers.batch.rotation_error import rotation_error
@@ -38,15 +37,20 @@ tables = st.builds(
 def test_kinematics_equal_those_of_the_arm(table):
     arm = DhArm(table)
     q = np.random.default_rng(4).uniform(-3, 3, (9, arm.num_joints))
-    batch = BatchArm(arm)
-    frames = batch.frames(np.ascontiguousarray(q.T))
-    X, J = arm.forward_kinematics(q), arm.jacobian(q)
+    frames = arm.chain.frames(np.ascontiguousarray(q.T))
+    # Matrix products, and the columns of a Jacobian as textbooks write them.
+    links = arm.link_poses(q)
+    X = links[:, -1] @ arm.tool_pose
+    revolute = np.array([joint.is_revolute for joint in arm.table.joints])[:, None]
+    axes, levers = links[..., :3, 2], X[:, None, :3, 3] - links[..., :3, 3]
+    linear = np.where(revolute, np.cross(axes, levers), axes)
+    J = np.concatenate([np.where(revolute, axes, 0.0), linear], axis=2).transpose(0, 2, 1)
     exact = {"rtol": 0, "atol": 1e-12}
     np.testing.assert_allclose(frames.position.T, X[:, :3, 3], **exact)
     np.testing.assert_allclose(frames.rotation.transpose(2, 1, 0), X[:, :3, :3], **exact)
     scale = np.repeat([0.3, 1.0], 3)[:, None]
-    np.testing.assert_allclose(batch.jacobian(frames, 0.3).transpose(2, 0, 1), scale * J, **exact)
-    np.testing.assert_allclose(batch.jacobian(frames, None).transpose(2, 0, 1), J[:, 3:], **exact)
+    np.testing.assert_allclose(frames.jacobian(0.3).transpose(2, 0, 1), scale * J, **exact)
+    np.testing.assert_allclose(frames.jacobian(None).transpose(2, 0, 1), J[:, 3:], **exact)
 
 
 @given(tables, st.sampled_from(["position", "pose"]), st.integers(0, 2**32 - 1))

@@ -8,7 +8,6 @@ from numpy.typing import ArrayLike
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.laws.law import Law
-from fikm_drake.solvers.batch.batch_arm import BatchArm
 
 
 @dataclass(frozen=True)
@@ -31,12 +30,12 @@ def track(law: Law, arm: DhArm, starts: ArrayLike, targets: Array, *, hold: int 
         targets: tool positions (T,N,m) [m]; m = 2: x and y.
         hold: cycles at the last target.
     """
-    kinematics, rows = BatchArm(arm), targets.shape[-1]
+    rows = targets.shape[-1]
     q = np.array(starts, dtype=float).T
     errors, travel = [], np.zeros(q.shape[1])
     for target in [*targets, *[targets[-1]] * hold]:
-        frames = kinematics.frames(q)
-        J = np.moveaxis(kinematics.jacobian(frames, None)[:rows], -1, 0)
+        frames = arm.chain.frames(q)
+        J = np.moveaxis(frames.jacobian(None)[:rows], -1, 0)
         error = target - frames.position[:rows].T
         step = law(J, error)
         errors.append(np.linalg.norm(error, axis=1))
