@@ -1,11 +1,14 @@
 """The command `fikm-drake`."""
 
 import argparse
+import platform
 import sys
 from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
 
 from fikm_drake.cli.benchmark import add_benchmark
 from fikm_drake.cli.calibrate import add_calibrate
+from fikm_drake.cli.completion import add_completion
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
@@ -37,6 +40,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EXIT_CODES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action="version", version=_versions())
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     for add in (
@@ -47,6 +51,19 @@ def _parser() -> argparse.ArgumentParser:
         add_export_c,
         add_calibrate,
         add_train,
+        add_completion,
     ):
         add(commands)
     return parser
+
+
+def _versions() -> str:
+    """Ours and those of what results depend on."""
+    own = sys.modules["fikm_drake"].__version__
+    others = []
+    for name in ("drake", "numpy"):
+        try:
+            others.append(f"{name} {version(name)}")
+        except PackageNotFoundError:  # Drake built from source
+            others.append(f"{name} of unknown version")
+    return f"fikm-drake {own} ({', '.join(others)}, Python {platform.python_version()})"

@@ -2,7 +2,7 @@
 
 import argparse
 
-from fikm_drake.cli.shared import OK, positive_count, progress
+from fikm_drake.cli.shared import OK, positive_count, print_json, progress
 from fikm_drake.experiments.benchmarks.registry import BENCHMARKS
 
 
@@ -20,9 +20,17 @@ def add_benchmark(commands: "argparse._SubParsersAction") -> None:
             dest="count",
             help=f"how many ({default})",
         )
-        parser.set_defaults(run=_run, entry=entry)
+        parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+        parser.set_defaults(run=_run, name=name, entry=entry)
 
 
 def _run(options: argparse.Namespace) -> int:
-    print(options.entry.table(options.count, progress()))
+    table = options.entry.table(options.count, progress())
+    if options.json:
+        # A benchmark without rows gives its text.
+        rows = getattr(table, "rows", table.splitlines())
+        entry = options.entry
+        print_json({"benchmark": options.name, entry.count: options.count, "rows": rows})
+    else:
+        print(table)
     return OK

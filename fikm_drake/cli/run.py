@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from fikm_drake.cli.shared import FAILED, INTERRUPTED, OK, progress
+from fikm_drake.cli.shared import FAILED, INTERRUPTED, OK, print_json, progress
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
@@ -22,6 +22,7 @@ def add_run(commands: "argparse._SubParsersAction") -> None:
     run.add_argument("--csv", metavar="RUN.csv", help="write the log as a table")
     run.add_argument("--plot", metavar="RUN.png", help="write a picture")
     run.add_argument("--html", metavar="RUN.html", help="write a page that plays the run")
+    run.add_argument("--json", action="store_true", help="print errors and status as JSON")
     run.set_defaults(run=_run)
 
 
@@ -38,8 +39,12 @@ def _run(options: argparse.Namespace) -> int:
         code = INTERRUPTED if isinstance(stopped.__cause__, KeyboardInterrupt) else FAILED
     if not _write(log, options):
         code = code or FAILED
-    last = ControllerStatus(int(log.status[-1])).name.lower().replace("_", " ")
-    print(f"{options.scenario}: {log.metrics()}, {last} at the end")
+    status, metrics = ControllerStatus(int(log.status[-1])), log.metrics()
+    if options.json:
+        print_json({"scenario": options.scenario, "status": status, "metrics": metrics})
+    else:
+        last = status.name.lower().replace("_", " ")
+        print(f"{options.scenario}: {metrics}, {last} at the end")
     return code
 
 

@@ -1,9 +1,15 @@
-"""What the commands share: exit codes, counts, progress for a person who waits."""
+"""What the commands share: exit codes, counts, JSON, progress for a person who waits."""
 
 import argparse
+import dataclasses
+import json
+import math
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from enum import Enum
+
+import numpy as np
 
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 EXIT_CODES = """exit codes:
@@ -36,3 +42,26 @@ def progress(patience: float = 2.0) -> Callable[[float], None]:
             print(f"\r{100 * fraction:3.0f} %", end=end, file=sys.stderr, flush=True)
 
     return show
+
+
+def print_json(data: object) -> None:
+    """Print what a command found as JSON: dataclasses as objects, arrays as lists, NaN as null."""
+    print(json.dumps(_plain(data), indent=2, ensure_ascii=False))
+
+
+def _plain(data: object) -> object:
+    if dataclasses.is_dataclass(data) and not isinstance(data, type):
+        return {item.name: _plain(getattr(data, item.name)) for item in dataclasses.fields(data)}
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, np.ndarray | np.generic):
+        return _plain(data.tolist())
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, Enum):
+        return data.name.lower()
+    if isinstance(data, float) and not math.isfinite(data):
+        return None
+    if data is None or isinstance(data, bool | int | float | str):
+        return data
+    return str(data)

@@ -10,6 +10,7 @@ from statistics import median
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.samples import (
     exact,
@@ -90,8 +91,8 @@ def bounds_costs(rounds: int) -> dict[str, float]:
     return {name: 1e6 * median(times) / len(points) for name, times in seconds.items()}
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
     costs = training_costs(rounds, progress)
     lines = [
         f"training of 64 rules from {len(training_points())} points, CPU time an epoch, error over "
@@ -107,4 +108,4 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
     lines += [f"  {name:18s} {cost:6.2f} µs" for name, cost in bounds.items()]
     ratio = bounds["exact bounds"] / bounds["learned bounds"]
     lines.append(f"  learned bounds {ratio:.1f} times faster than exact ones")
-    return "\n".join(lines)
+    return BenchmarkTable(lines, [*costs, bounds])

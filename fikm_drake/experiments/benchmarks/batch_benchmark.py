@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.batch.rotation_error import rotation_error
@@ -114,8 +115,8 @@ def batch_benchmark(
     return costs
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
     costs = batch_benchmark(rounds=rounds, progress=progress)
     lines = [
         "random reachable poses from a home posture, within 1 mm and 0.5°, time a pose (median)"
@@ -126,7 +127,7 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
             f"  {cost.arm:8s} {limits:15s} {cost.solver:24s} {cost.success:7.2f} %"
             f"  {cost.microseconds:6.1f} µs  {cost.cycles:4.0f} cycles"
         )
-    return "\n".join(lines)
+    return BenchmarkTable(lines, costs)
 
 
 def _timed(arm: DhArm, solve: Solver, X: Array, limits: bool) -> tuple[float, float, Array]:

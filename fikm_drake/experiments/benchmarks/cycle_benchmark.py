@@ -14,6 +14,7 @@ from pydrake.multibody.inverse_kinematics import (
 )
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.interleaved import interleaved
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
@@ -94,16 +95,17 @@ def cycle_benchmark(
     return costs
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    results = cycle_benchmark(rounds=rounds, progress=progress)
     lines = [f"CPU time of a call (median), {ARM}, and over that of the fuzzy mapping"]
-    for cost in cycle_benchmark(rounds=rounds, progress=progress):
+    for cost in results:
         what = "cycle with Drake's Jacobian" if cost.whole else "law alone"
         lines.append(
             f"  {cost.rows} rows, {what:28s} {cost.name:38s}"
             f" {cost.microseconds:7.1f} µs  {cost.ratio:5.2f}"
         )
-    return "\n".join(lines)
+    return BenchmarkTable(lines, results)
 
 
 def laws() -> dict[str, Law]:

@@ -15,6 +15,7 @@ from pydrake.multibody.inverse_kinematics import (
 
 from fikm_drake.arrays import Array
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.law import Law
@@ -88,20 +89,21 @@ def loops() -> dict[str, Loop]:
     }
 
 
-def table(seconds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(seconds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    results = hard_benchmark(seconds=seconds, progress=progress)
     lines = [
         "50 Hz; Table VI's line in 5 s: e_max / e_mean [cm] | 4 joints, large step: 1 mm after [s],",
         "largest motion of a joint in a cycle [rad] | out of reach, 4 and 7 joints: error over the least",
         f"there is [mm] / joint speed left after {seconds} s, rms [rad/s]",
     ]
-    for r in hard_benchmark(seconds=seconds, progress=progress):
+    for r in results:
         beyond = " | ".join(f"{1e3 * e:9.3f} / {v:8.2g}" for e, v in r.beyond.values())
         lines.append(
             f"  {r.name:38s} {100 * r.line[0]:6.3f} / {100 * r.line[1]:6.3f}"
             f" | {r.step[0]:5.2f} {r.step[1]:6.2f} | {beyond}"
         )
-    return "\n".join(lines)
+    return BenchmarkTable(lines, results)
 
 
 def _measure(name: str, loop: Loop, seconds: float) -> HardResult:

@@ -10,6 +10,7 @@ from statistics import median
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.reproduce.labvolt.peers import (
     Solver,
     drake_inverse_kinematics,
@@ -147,8 +148,9 @@ def path() -> Array:
     return np.column_stack([r * np.cos(s), r * np.sin(s), z])
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    costs = solver_costs(rounds=rounds, progress=progress)
     lines = [
         "LabVolt 5250, reachable targets: solved to 1 µm, CPU time a target (median), over ours from the"
         " same start"
@@ -156,7 +158,7 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
     lines += [
         f"  {cost.name:34s} {cost.start:7s} {cost.success:7.2f} % {cost.microseconds:8.1f} µs"
         f"  {cost.ratio:8.3g}"
-        for cost in solver_costs(rounds=rounds, progress=progress)
+        for cost in costs
     ]
     lines.append("LabVoltIk on a smooth path round the base, CPU time a cycle (median)")
     paths = path_costs(rounds=rounds)
@@ -165,7 +167,7 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
         f" {cost.microseconds:8.1f} µs  {cost.microseconds / paths[-1].microseconds:8.3g}"
         for cost in paths
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, [*costs, *paths])
 
 
 def _ours() -> Solver:

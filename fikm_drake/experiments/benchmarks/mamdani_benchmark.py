@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.fuzzy.fuzzy_variable import NOT
 from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 
@@ -109,8 +110,8 @@ def sampling_error(*, points: int = 5000, seed: int = 0) -> tuple[float, float]:
     return float(np.median(error)), float(np.max(error))
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
     costs = mamdani_benchmark(rounds=rounds, progress=progress)
     middle, greatest = sampling_error()
     sampled = (
@@ -124,9 +125,8 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
         for cost in costs
     ]
     if not peers:
-        return "\n".join(
-            [*lines, sampled, "scikit-fuzzy is not installed: nothing to compare with"]
-        )
+        lines += [sampled, "scikit-fuzzy is not installed: nothing to compare with"]
+        return BenchmarkTable(lines, costs)
     lines.append("times faster than scikit-fuzzy, which has no sum: there, than its maximum")
     for ours in costs:
         if ours.engine == OURS:
@@ -137,7 +137,8 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
                 f" {peer.single / ours.batch:.0f}x, than its array {peer.batch / ours.batch:.0f}x"
             )
     apart = ", ".join(f"{peer.difference:.1e} ({name})" for name, peer in peers.items())
-    return "\n".join([*lines, f"outputs apart, median, of the range: {apart}", sampled])
+    lines += [f"outputs apart, median, of the range: {apart}", sampled]
+    return BenchmarkTable(lines, costs)
 
 
 def _timed(evaluate: Evaluate, X: Array, singles: int) -> tuple[float, float, Array]:

@@ -12,6 +12,7 @@ from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose, is_near
 from fikm_drake.experiments.benchmarks.pose_peers import Run, advance, pose_peers
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
@@ -99,8 +100,9 @@ def pose_benchmark(
     return results
 
 
-def table(poses: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(poses: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    results = pose_benchmark(poses=poses, progress=progress)
     lines = [
         "iiwa14 in the loop at 100 Hz, 6 s a pose, within 1 mm and 0.01 rad, limits of position and speed;",
         "then a pose 0.4 m out of reach after 10 s: joint speed, rms, and reversals of a joint a second",
@@ -108,9 +110,9 @@ def table(poses: int, progress: Callable[[float], None]) -> str:
     lines += [
         f"  {r.name:45s} {r.reached:3d} of {r.poses} poses | {r.unrest:8.2g} rad/s {r.reversals:5.1f} / s"
         f" | {r.microseconds:5.0f} µs a cycle"
-        for r in pose_benchmark(poses=poses, progress=progress)
+        for r in results
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, results)
 
 
 def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:

@@ -9,6 +9,7 @@ from statistics import median
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -94,15 +95,16 @@ def rate_benchmark(
     return costs
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    results = rate_benchmark(rounds=rounds, progress=progress)
     lines = [f"CPU time of a joint step, {CASES} Jacobians in a batch and one by one (median)"]
     lines += [
         f"  {cost.arm:9s} {cost.task:8s} {cost.law:20s} batch {cost.batch:6.3f} µs,"
         f" {cost.speedup:5.1f} times faster than {PINV}; one by one {cost.step:5.1f} µs"
-        for cost in rate_benchmark(rounds=rounds, progress=progress)
+        for cost in results
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, results)
 
 
 def _cases(arm: str, task: str, count: int) -> tuple[Array, Array]:

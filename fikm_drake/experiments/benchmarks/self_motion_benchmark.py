@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.scan import scan_intervals
 from fikm_drake.kinematics.load_arm import load_arm
@@ -102,7 +103,7 @@ def seven_joints(
     return RegionCost(f"residual on the curves, {name}", count, same, error, seconds / count)
 
 
-def table(points: int, progress: Callable[[float], None]) -> str:
+def table(points: int, progress: Callable[[float], None]) -> BenchmarkTable:
     """Text of all three: 4 times as many points for the closed form, a 50th of them for 7 joints."""
     poses = max(1, points // 50)
     costs = [
@@ -117,4 +118,4 @@ def table(points: int, progress: Callable[[float], None]) -> str:
         f"{1e3 * cost.seconds:10.4g} ms"
         for cost in costs
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, costs)

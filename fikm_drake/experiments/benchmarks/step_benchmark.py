@@ -16,6 +16,7 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
@@ -93,8 +94,8 @@ def step_benchmark(
     ]
 
 
-def table(rounds: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
     costs = step_benchmark(rounds=rounds, progress=progress)
     lines = [
         "one control step of arm7 in a Simulator, CPU time (median), over Drake's usual and least"
@@ -103,7 +104,7 @@ def table(rounds: int, progress: Callable[[float], None]) -> str:
         f"  {cost.name:44s} {cost.microseconds:6.1f} µs  {cost.to_usual:5.2f}  {cost.to_least:5.2f}"
         for cost in costs
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, costs)
 
 
 def _follow(step: Step, cycles: int) -> list[float]:

@@ -10,6 +10,7 @@ from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
 from fikm_drake.diagrams.supervised_differential_ik import SupervisedDifferentialIk
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.drake_differential_ik import (
     desired_pose,
     drake_differential_ik,
@@ -101,8 +102,9 @@ def supervise_benchmark(
     return results
 
 
-def table(poses: int, progress: Callable[[float], None]) -> str:
-    """The benchmark's text."""
+def table(poses: int, progress: Callable[[float], None]) -> BenchmarkTable:
+    """The benchmark's text and rows."""
+    results = supervise_benchmark(poses=poses, progress=progress)
     lines = [
         "100 Hz, a pose 0.4 m out of reach: joint speed (rms) and reversals a second after 10 s;",
         f"the same for {poses} random poses as far out (median); a path; {poses} reachable poses in 7 s",
@@ -110,9 +112,9 @@ def table(poses: int, progress: Callable[[float], None]) -> str:
     lines += [
         f"  {r.arm:7s} {r.name:19s} {r.unrest:8.2g} rad/s {r.reversals:3d}/s | {r.far_unrest:8.2g} rad/s"
         f" | e_max {1e3 * r.e_max:.3f} e_mean {1e3 * r.e_mean:.3f} mm | {r.reached} of {r.poses}"
-        for r in supervise_benchmark(poses=poses, progress=progress)
+        for r in results
     ]
-    return "\n".join(lines)
+    return BenchmarkTable(lines, results)
 
 
 def far_pose(arm: DhArm, T: Array) -> RigidTransform:
