@@ -1,13 +1,17 @@
 """The wheel: models inside, and usable from anywhere."""
 
+import email
+import functools
 import os
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 
 import fikm_drake
 from fikm_drake.resources import models_dir
@@ -62,12 +66,56 @@ def test_metadata_asks_for_drake_and_numpy_only(unzipped):
     required = re.findall(r"^Requires-Dist: (.*)$", metadata.read_text("utf-8"), re.MULTILINE)
     assert [line for line in required if "extra ==" not in line] == ["drake", "numpy"]
     assert {line.split("'")[1] for line in required if "extra ==" in line} == {
+        "docs",
         "notebooks",
         "peers",
         "test",
     }
     (entry_points,) = unzipped.glob("*.dist-info/entry_points.txt")
     assert "fikm-drake = fikm_drake.cli:main" in entry_points.read_text("utf-8")
+
+
+def test_metadata_is_fit_to_be_published(unzipped):
+    (path,) = unzipped.glob("*.dist-info/METADATA")
+    metadata = email.message_from_string(path.read_text("utf-8"))
+    urls = {line.split(",")[0] for line in metadata.get_all("Project-URL")}
+    assert {"Homepage", "Documentation", "Changelog", "Issues", "Source"} <= urls
+    minors = [line.rsplit(" ", 1)[1] for line in metadata.get_all("Classifier") if "3." in line]
+    assert metadata["Requires-Python"] == f">={minors[0]}"
+    assert f"{sys.version_info.major}.{sys.version_info.minor}" in minors
+    assert metadata["Description-Content-Type"] == "text/markdown"
+    assert len(metadata["Keywords"].split(",")) > 5
+
+
+def test_sdist_holds_the_project_and_builds_the_same_wheel(tmp_path, unzipped):
+    hatch = [sys.executable, "-m", "hatchling", "build"]
+    run = functools.partial(subprocess.run, check=True, capture_output=True, timeout=300)
+    run([*hatch, "-t", "sdist", "-d", str(tmp_path)], cwd=ROOT)
+    (archive,) = tmp_path.glob("*.tar.gz")
+    with tarfile.open(archive) as tar:
+        tar.extractall(tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.is_dir())
+    assert source.name == f"fikm_drake-{fikm_drake.__version__}"
+    tops = {path.name for path in source.iterdir()}
+    assert {"CITATION.cff", "LICENSE", "README.md", "fikm_drake", "models", "tests"} <= tops
+    assert not {".ci", ".venv", "dist"} & tops
+    run([*hatch, "-t", "wheel", "-d", str(tmp_path / "again")], cwd=source)
+    (wheel,) = (tmp_path / "again").glob("*.whl")
+    with zipfile.ZipFile(wheel) as again:
+        packed = {name for name in again.namelist() if not name.endswith("/")}
+    files = (path for path in unzipped.rglob("*") if path.is_file())
+    assert packed == {path.relative_to(unzipped).as_posix() for path in files}
+
+
+def test_citation_is_of_this_version_and_names_five_papers():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))
+    assert citation["version"] == fikm_drake.__version__
+    assert citation["license"] == "BSD-3-Clause" and citation["authors"] and citation["message"]
+    assert len(citation["references"]) == 5
+    for paper in citation["references"]:
+        assert paper["type"] and paper["title"] and paper["authors"]
+        for name in paper["notes"].split(", "):
+            assert hasattr(fikm_drake, name.removeprefix("fd."))
 
 
 def test_unzipped_wheel_finds_its_models_from_anywhere(unzipped, tmp_path):
