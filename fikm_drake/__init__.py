@@ -75,6 +75,7 @@ from fikm_drake.solvers.self_motion.feasible_intervals import (
 from fikm_drake.solvers.self_motion.generate_feasibility_data import generate_feasibility_data
 from fikm_drake.solvers.self_motion.interval_table import FeasibleInterval, IntervalTable
 from fikm_drake.solvers.self_motion.minimum_norm_path import minimum_norm_path
+from fikm_drake.solvers.self_motion.nearest_reachable import NearestReachable, nearest_reachable
 from fikm_drake.solvers.self_motion.self_motion import (
     SelfMotion,
     SelfMotionComponent,
@@ -82,10 +83,9 @@ from fikm_drake.solvers.self_motion.self_motion import (
 )
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer, trace_self_motion
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
-from fikm_drake.solvers.workplane.tilted_plane_inverse import TiltedPlaneInverse
 from fikm_drake.solvers.workplane.workplane import Workplane, load_workplane
 from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_workplane_data
-from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
+from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, WorkplaneInverse
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
@@ -119,6 +119,7 @@ __all__ = [
     "ConfigureParser",
     "ControllerStatus",
     "DampedLeastSquares",
+    "NearestReachable",
     "Workplane",
     "WorkplaneData",
     "WorkplaneInverse",
@@ -196,6 +197,7 @@ __all__ = [
     "load_mamdani",
     "load_scenario",
     "minimum_norm_path",
+    "nearest_reachable",
     "plot_log",
     "plot_memberships",
     "plot_surface",

@@ -7,8 +7,8 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from fikm_drake.cli.shared import FAILED, OK, positive_count, progress
+from fikm_drake.experiments.reproduce.anfis.samples import train_static
 from fikm_drake.experiments.reproduce.anfis.seven_joints import train_freedom
-from fikm_drake.experiments.reproduce.anfis.static_solution import train_static
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.kinematics.load_arm import load_arm

@@ -14,7 +14,7 @@ from pydrake.systems.framework import (
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_period
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.labvolt.follow import follow
+from fikm_drake.solvers.labvolt.follow_target import follow_target
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import MODEL
 from fikm_drake.solvers.labvolt.program import make_solver
@@ -106,7 +106,7 @@ class LabVoltIk(LeafSystem):
 
     def _solve(self, context: Context, value: Value) -> None:
         state = context.get_discrete_state(0).value()
-        position, status = follow(
+        position, status = follow_target(
             self._target(context),
             state[:4].copy(),
             warm=bool(state[4]) and self._warm_start,

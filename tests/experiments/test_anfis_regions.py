@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from fikm_drake.experiments.benchmarks import self_motion_benchmark
-from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, exactness_sample
-from fikm_drake.experiments.reproduce.anfis.region import stretches
-from fikm_drake.experiments.reproduce.anfis.trajectories import A, B, C
+from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, three_ways
+from fikm_drake.experiments.reproduce.anfis.region import A, B, C, stretches
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
@@ -36,8 +35,8 @@ def test_reproduces(key):
 
 def test_exactness_on_a_few_targets(monkeypatch):
     for name, count in (("POINTS", 1000), ("TRACED", 20), ("POSES", 1)):
-        monkeypatch.setattr(exactness_sample, name, count)
-    section = exactness_sample.exactness()
+        monkeypatch.setattr(three_ways, name, count)
+    section = EXPERIMENTS["exactness"]()
     assert section.reached, str(section)
     assert all(type(cell.reached) in (bool, type(None)) for cell in section.cells)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.reproduce.fikm import EXPERIMENTS, ablation, operation_counts, paths
+from fikm_drake.experiments.reproduce.fikm import EXPERIMENTS, ablation, costs, paths
 
 
 @pytest.mark.parametrize("key", [key for key in EXPERIMENTS if key != "times"])
@@ -42,7 +42,7 @@ def test_complex_path_has_sharp_turns():
 
 
 def test_pumas_jacobian_has_the_15_zeros_of_equation_51():
-    pattern, unit_columns = operation_counts.puma_pattern(fd.load_arm("puma560"))
+    pattern, unit_columns = costs.puma_pattern(fd.load_arm("puma560"))
     expected = np.array(
         [
             [1, 1, 1, 0, 0, 0],
@@ -60,7 +60,7 @@ def test_pumas_jacobian_has_the_15_zeros_of_equation_51():
 
 @pytest.mark.parametrize("n", [6, 7, 8, 20])
 def test_mapping_count_is_equation_45_for_a_full_jacobian(n):
-    count = operation_counts.mapping_count(np.ones((6, n), dtype=bool))
+    count = costs.mapping_count(np.ones((6, n), dtype=bool))
     assert (count.multiplications, count.additions) == (13 * n, 16 * n - 6)
 
 
@@ -101,15 +101,15 @@ def test_mapping_count_counts_what_the_law_does():
         total(Counting(J[i, j]) * Counting(dr[i]) / rows[i] for i in range(3)) / columns[j]
         for j in range(5)
     ]
-    count = operation_counts.mapping_count(np.ones((3, 5), dtype=bool))
+    count = costs.mapping_count(np.ones((3, 5), dtype=bool))
     assert Counting.multiplications == count.multiplications
     assert Counting.additions == count.additions
     assert [s.value for s in steps] == pytest.approx(fd.FuzzyMapping()(J, dr), rel=1e-12)
 
 
 def test_two_and_a_half_times_is_the_limit():
-    assert operation_counts.saving(operation_counts.MANY)[0] == pytest.approx(2.4, abs=1e-3)
-    law, cycle = operation_counts.saving(7)
+    assert costs.saving(costs.MANY)[0] == pytest.approx(2.4, abs=1e-3)
+    law, cycle = costs.saving(7)
     assert law == pytest.approx(3.49, abs=0.01) and cycle == pytest.approx(1.87, abs=0.01)
 
 

@@ -5,8 +5,8 @@ import pytest
 
 import fikm_drake as fd
 from fikm_drake.experiments.benchmarks.rate_benchmark import rate_benchmark
-from fikm_drake.experiments.reproduce.frmrc import EXPERIMENTS, batch_tracking
-from fikm_drake.experiments.reproduce.frmrc.descent import CASES, longer
+from fikm_drake.experiments.reproduce.frmrc import EXPERIMENTS, random_lines
+from fikm_drake.experiments.reproduce.frmrc.past import CASES, longer
 from fikm_drake.experiments.reproduce.frmrc.pictures import errors_before
 
 
@@ -34,7 +34,7 @@ def test_line_has_the_cubic_profile_of_equation_16():
     expected = a + (b - a) * (3 * t**2 - 2 * t**3)[:, None]
     values = scenario.trajectory().vector_values(scenario.duration * t).T
     np.testing.assert_allclose(values, expected, atol=1e-12)
-    lines = batch_tracking.cubic_lines(a[None], b[None], 8)
+    lines = random_lines.cubic_lines(a[None], b[None], 8)
     np.testing.assert_allclose(lines[:, 0], expected, atol=1e-12)
 
 
@@ -50,7 +50,7 @@ def test_batch_loop_is_the_simulators():
     scenario = fd.load_scenario("frmrc_line")
     law = fd.FuzzyRateControl(sweeps=2)
     log = fd.simulate(scenario, law=law)
-    run = batch_tracking.track(
+    run = random_lines.track(
         law, scenario.load_arm(), [scenario.start()], log.desired[:, None, :], hold=0
     )
     expected = np.linalg.norm(errors_before(log), axis=1)

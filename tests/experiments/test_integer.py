@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.reproduce.integer import EXPERIMENTS, compiled, workplane_paths
-from fikm_drake.experiments.reproduce.integer.figure_4 import shared_singletons
-from fikm_drake.experiments.reproduce.integer.many_joints import JOINTS, many_joints
-from fikm_drake.experiments.reproduce.integer.table_1 import TABLE_1, labels_in_order
-from fikm_drake.experiments.reproduce.integer.table_2 import operations
+from fikm_drake.experiments.reproduce.integer import EXPERIMENTS, compiled, traces
+from fikm_drake.experiments.reproduce.integer.table_1 import (
+    TABLE_1,
+    labels_in_order,
+    shared_singletons,
+)
+from fikm_drake.experiments.reproduce.integer.table_2 import JOINTS, many_joints, operations
 
 
 @pytest.mark.parametrize("key", EXPERIMENTS)
@@ -52,9 +54,9 @@ def test_five_shared_singletons_are_not_enough():
 @pytest.mark.parametrize(
     ("path", "length", "step"),
     [
-        (workplane_paths.rectangle(), 1400, 5),
-        (workplane_paths.circle(), 2 * np.pi * 150, 150 * np.pi / 180),
-        (workplane_paths.inclined_line(), 500, 5),
+        (traces.rectangle(), 1400, 5),
+        (traces.circle(), 2 * np.pi * 150, 150 * np.pi / 180),
+        (traces.inclined_line(), 500, 5),
     ],
 )
 def test_paths_of_figures_7_to_12(path, length, step):

@@ -11,14 +11,18 @@ horizontal; limits are of the relative angles θ_1, θ_2 − θ_1, θ_3 − θ_2
 a target; what users give and get is absolute, one row a target.
 """
 
-from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
-from fikm_drake.solvers.labvolt.geometry import forward_kinematics, to_absolute, to_relative
-from fikm_drake.solvers.labvolt.initial_guess import initial_guess
-from fikm_drake.solvers.labvolt.servo_counts import from_servo_counts, to_servo_counts
+from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, initial_guess
+from fikm_drake.solvers.labvolt.geometry import (
+    forward_kinematics,
+    from_servo_counts,
+    to_absolute,
+    to_relative,
+    to_servo_counts,
+)
+from fikm_drake.solvers.labvolt.methods import METHODS
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import solve
 from fikm_drake.solvers.labvolt.targets import random_targets
-from fikm_drake.solvers.labvolt.ways import METHODS
 
 __all__ = [
     "METHODS",

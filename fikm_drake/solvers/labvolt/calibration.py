@@ -11,9 +11,9 @@ from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 from fikm_drake.fuzzy.memberships import Triangle
 from fikm_drake.solvers.labvolt.fuzzy_starts import POSTURE, THETA_3, FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
+from fikm_drake.solvers.labvolt.methods import theta_3_search
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.targets import random_targets
-from fikm_drake.solvers.labvolt.theta_3_search import theta_3_search
 
 Loss = Callable[[MamdaniSystem, float], float]
 Progress = Callable[[float], None]

@@ -3,12 +3,15 @@
 from functools import cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.fuzzy.mamdani import MamdaniSystem, load_mamdani
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.theta_3_search import FIRST_GUESS
+from fikm_drake.solvers.labvolt.targets import plane_targets
 
+FIRST_GUESS = float(np.deg2rad(-90.0))
+"""Of θ_3: the paper's, where no fuzzy rules give a better one [rad]."""
 THETA_3, POSTURE = "labvolt_theta3", "labvolt_posture"
 """Names of the two systems in `models/fuzzy/`."""
 
@@ -84,3 +87,30 @@ def _check(system: MamdaniSystem, name: str, inputs: list[str], outputs: list[st
     found = [variable.name for variable in config.inputs], [v.name for v in config.outputs]
     if found != (inputs, outputs):
         raise ValueError(f"{name} must have inputs {inputs} and outputs {outputs}, got {found}")
+
+
+def initial_guess(targets: ArrayLike, *, fuzzy: FuzzyStarts | None = None) -> Array:
+    """Joint positions near a solution, by fuzzy rules on the target: for Drake's `InverseKinematics`.
+
+        ik = InverseKinematics(plant)  # of models/labvolt5250.urdf
+        ik.AddPositionConstraint(tool, [0, 0, 0], world, target, target)
+        result = SnoptSolver().Solve(ik.prog(), fd.labvolt.initial_guess(target))
+
+    Args:
+        targets: (3,) or (N,3), in the base frame [m]; (x, y) of the arm's plane too, with yaw 0.
+        fuzzy: the rules; None: ours.
+
+    Returns:
+        (4,) or (N,4) joint positions of `models/labvolt5250.urdf`, inside the limits [rad]; the middle
+        of the limits for targets that are not finite.
+
+    Raises:
+        ValueError: targets that are not numbers or have another shape.
+    """
+    geometry = labvolt()
+    given = plane_targets(geometry, targets)
+    relative = np.repeat(geometry.middle[:, None], len(given.given), axis=1)
+    starts = fuzzy or default_starts()
+    relative[:, given.valid] = starts.posture(given.plane[:, given.valid])
+    guess = np.column_stack([given.yaw, relative.T])
+    return guess[0] if np.ndim(targets) == 1 else guess

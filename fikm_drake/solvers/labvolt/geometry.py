@@ -1,66 +1,30 @@
-"""Lengths and limits of the LabVolt 5250, and its angles."""
+"""Lengths and limits of the LabVolt 5250, its angles, and the counts of its servos."""
 
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from fikm_drake.arrays import Array, Bools
+from fikm_drake.arrays import Array
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.planar_links import PlanarLinks
 
 MODEL = "labvolt5250"
 """Name of the arm in `models/`."""
 
 
 @dataclass(frozen=True)
-class Geometry:
-    """A turning base that carries three joints of one vertical plane.
+class Geometry(PlanarLinks):
+    """A turning base that carries three links of one vertical plane.
 
     The plane's frame has its origin at the shoulder, x pointing away from the base's axis and y up.
     """
 
-    lengths: tuple[float, float, float]
-    """Of the links a_1, a_2, a_3 [m]."""
-    lower: tuple[float, float, float]
-    """Lower limits of the relative angles θ_1, θ_2 − θ_1, θ_3 − θ_2 [rad]."""
-    upper: tuple[float, float, float]
-    """Upper limits [rad]."""
     offset: float
     """Of the shoulder from the base's axis [m]."""
     height: float
     """Of the shoulder over the base [m]."""
-
-    @cached_property
-    def reach(self) -> float:
-        """Of the stretched arm from the shoulder [m]."""
-        return sum(self.lengths)
-
-    @cached_property
-    def middle(self) -> Array:
-        """The middle of the limits (3,), relative angles [rad]."""
-        return 0.5 * (np.array(self.lower) + np.array(self.upper))
-
-    def tool(self, relative: Array) -> Array:
-        """Tool points (2,N) [m] of relative angles (3,N) [rad], equations 1 and 2."""
-        angles, lengths = np.cumsum(relative, axis=0), np.array(self.lengths)
-        return np.array([lengths @ np.cos(angles), lengths @ np.sin(angles)])
-
-    def error(self, relative: Array, target: Array) -> Array:
-        """Distances (N,) [m] of the tool from targets (2,N) [m] at relative angles (3,N) [rad]."""
-        return np.hypot(*(self.tool(relative) - target))
-
-    def contains(self, relative: Array, tolerance: float) -> Bools:
-        """Whether relative angles (3,…) [rad] are inside the limits; NaN is not."""
-        inside = np.ones(relative.shape[1:], dtype=bool)
-        for q, low, high in zip(relative, self.lower, self.upper):
-            inside &= (q >= low - tolerance) & (q <= high + tolerance)
-        return inside
-
-    def clip(self, relative: Array) -> Array:
-        """Relative angles (3,N) [rad], those beyond a limit moved to it."""
-        lower, upper = (np.array(limit)[:, None] for limit in (self.lower, self.upper))
-        return np.clip(relative, lower, upper)
 
 
 @cache
@@ -104,3 +68,29 @@ def forward_kinematics(angles: ArrayLike) -> Array:
     angles = np.asarray(angles, dtype=float)
     lengths = np.array(labvolt().lengths)
     return np.stack([np.cos(angles) @ lengths, np.sin(angles) @ lengths], axis=-1)
+
+
+COUNTS = np.array([1.0 / 0.0015, -666.66667, -1.0 / 0.001699])
+"""Counts a degree of θ_1, θ_2, θ_3, from Go_Robot.m of M. Elsharif's MATLAB library [1/deg]."""
+ZERO = np.array([105.0, 0.0, 0.0])
+"""Angles at count zero [deg]."""
+
+
+def to_servo_counts(angles: ArrayLike) -> NDArray[np.int64]:
+    """The nearest counts of the shoulder, the elbow and the wrist.
+
+    Args:
+        angles: absolute θ_1, θ_2, θ_3 (…,3), finite [rad].
+
+    Raises:
+        ValueError: angles that are not finite.
+    """
+    degrees = np.rad2deg(np.asarray(angles, dtype=float))
+    if not np.isfinite(degrees).all():
+        raise ValueError("angles must be finite")
+    return np.rint((degrees - ZERO) * COUNTS).astype(np.int64)
+
+
+def from_servo_counts(counts: ArrayLike) -> Array:
+    """The absolute angles (…,3) [rad] of counts (…,3)."""
+    return np.deg2rad(np.asarray(counts, dtype=float) / COUNTS + ZERO)

@@ -7,13 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
+from fikm_drake.kinematics.planar_border import nearest_on_border
+from fikm_drake.solvers.labvolt.feasible_postures import widest_arc
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt, to_absolute, to_relative
-from fikm_drake.solvers.labvolt.nearest import nearest
-from fikm_drake.solvers.labvolt.self_motion import widest_arc
+from fikm_drake.solvers.labvolt.methods import METHODS, SQP_METHODS, Goals, Ways, program
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.targets import plane_targets
-from fikm_drake.solvers.labvolt.ways import METHODS, SQP_METHODS, Goals, Ways, program
 
 TOLERANCE = 1e-9
 """Within this a target is reached [m]."""
@@ -85,7 +85,7 @@ def solve(
         exact[:, chunk] = widest_arc(geometry, given.plane[:, chunk])
     far = np.flatnonzero(given.valid & np.isnan(exact[0]))
     if far.size:
-        q[:, far], distance[far] = nearest(geometry, given.plane[:, far])
+        q[:, far], distance[far] = nearest_on_border(geometry, given.plane[:, far])
         exact[:, far], near[:, far], error[far] = q[:, far], geometry.tool(q[:, far]), distance[far]
         status[far[distance[far] > tolerance]] = LabVoltStatus.UNREACHABLE
     goals = Goals(given.plane, exact, wishes)

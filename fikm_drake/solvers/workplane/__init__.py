@@ -1,10 +1,18 @@
-"""Inverse kinematics of a plane (Tojo & Morishita 2010): a measured table and what answers from it.
+"""Paper 5: a workplane before an arm, joint positions measured or computed there, and rules made of them.
 
-`WorkplaneData` are joint positions at grid points of a `Workplane` in whole millimetres;
-`WorkplaneInverse` gives them in closed form for the paper's arm, `TiltedPlaneInverse` for a tool held at
-an angle; `IntegerFuzzyIk` interpolates between few of them with the integer rules of `fuzzy.integer`, in
-integers alone, and writes itself as C.
+K. Tojo and M. Morishita, "Fuzzy inverse kinematics in integers", 2010. A point (x, y) of the workplane
+[mm] lies in a cell between two labels of x and two of y. With grades up to 255 of integer triangles,
 
-What may enter: inverses of two coordinates [mm]. The integer arithmetic itself knows no arm and is in
-`fuzzy`.
+    w_ij = min(μ_i(x), μ_j(y))   or   μ_i(x) μ_j(y) / 255,   θ_k = Σ w_ij s_ijk / Σ w_ij
+
+(equation 5), s_ijk the singleton of joint k in whole steps of 0.01°. The singletons are inverse
+kinematics at the peaks, of any arm by `WorkplaneInverse`, of an arm whose first joint tilts the plane
+of the other three in closed form (`TiltedPlaneInverse`): with the point ahead f, to the left l and up u
+of the shoulder, pitch = atan2(f, −u), and in the tilted plane the wrist at (hypot(f, u) − c cos h,
+l − c sin h) for a heading h of the hand, which two links reach by the law of cosines. `WorkplaneData`
+takes what was measured of a person or a taught arm instead; where the points are no grid of the peaks
+the singletons are fitted by least squares (`fuzzy.integer.fit_singletons`).
+
+With `min` the error falls as the cells' width h, with `product`, bilinear interpolation, as h². What may enter: inverses of two coordinates
+[mm]; the integer arithmetic knows no arm and is in `fuzzy.integer`.
 """

@@ -12,10 +12,9 @@ from fikm_drake.fuzzy.integer.integer_partition import Rounding
 from fikm_drake.fuzzy.integer.integer_rule_base import LARGEST, Conjunction
 from fikm_drake.fuzzy.integer.write_c import Shape
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.workplane.tilted_plane_inverse import TiltedPlaneInverse
 from fikm_drake.solvers.workplane.workplane import load_workplane
 from fikm_drake.solvers.workplane.workplane_data import WorkplaneData
-from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
+from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, WorkplaneInverse
 
 
 class IntegerFuzzyIk:

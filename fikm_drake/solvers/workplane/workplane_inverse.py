@@ -1,4 +1,4 @@
-"""Exact joint positions for the points of a workplane."""
+"""Exact joint positions for the points of a workplane: any arm, or in closed form one like paper 5's."""
 
 import copy
 from math import ceil, sqrt
@@ -11,6 +11,7 @@ from fikm_drake.checks import check_finites
 from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.solvers.batch.solve_batch import solve_batch
 from fikm_drake.solvers.workplane.workplane import Workplane
 
@@ -38,14 +39,14 @@ class WorkplaneInverse:
             if not joint.is_revolute:
                 raise ValueError(f"all joints must be revolute, joint {i} of {arm.name!r} is not")
         self.arm = arm
-        self._desk = copy.deepcopy(workplane)
+        self._workplane = copy.deepcopy(workplane)
         start = check_finites("initial_position", initial_position, arm.num_joints, "rad")
         self._initial_position = np.array(start)
 
     @property
     def workplane(self) -> Workplane:
         """A copy of the workplane."""
-        return copy.deepcopy(self._desk)
+        return copy.deepcopy(self._workplane)
 
     def __call__(self, points: ArrayLike) -> Array:
         """Joint positions at points of the workplane.
@@ -60,7 +61,7 @@ class WorkplaneInverse:
             ValueError: a point is out of reach, or points of another shape; the message names them.
         """
         points = np.asarray(points, dtype=float)
-        targets = self._desk.to_world(points).reshape(-1, 3)
+        targets = self._workplane.to_world(points).reshape(-1, 3)
         solution = solve_batch(
             self.arm, targets, initial_position=self._initial_position, tolerance=1e-6
         )
@@ -69,7 +70,7 @@ class WorkplaneInverse:
 
     def reached(self, q: ArrayLike) -> Array:
         """x, y and height over the workplane (…,3) [mm] of the tool at joint positions (…,n)."""
-        return self._desk.from_world(self.arm.forward_kinematics(q)[..., :3, 3])
+        return self._workplane.from_world(self.arm.forward_kinematics(q)[..., :3, 3])
 
     def singletons(
         self, labels: tuple[int, int], conjunction: Conjunction, *, least_squares: bool
@@ -85,14 +86,14 @@ class WorkplaneInverse:
         Raises:
             ValueError: a point is out of reach, or the workplane is too small for so many labels.
         """
-        width, depth = self._desk.size
+        width, depth = self._workplane.size
         first = IntegerPartition.even(0, width, labels[0])
         second = IntegerPartition.even(0, depth, labels[1])
         if not least_squares:
             peaks = np.stack(np.meshgrid(first.knots, second.knots, indexing="ij"), axis=-1)
             return first, second, self(peaks)
         every = ceil(sqrt(width * depth / MOST_POINTS))
-        points = self._desk.grid(every).reshape(-1, 2)
+        points = self._workplane.grid(every).reshape(-1, 2)
         return first, second, fit_singletons(first, second, points, self(points), conjunction)
 
 
@@ -100,3 +101,64 @@ def check_reached(reached: ArrayLike, points: Array) -> None:
     """Raise ValueError, naming the first point (…,2) of the workplane [mm] that is not reached."""
     for x, y in points[~np.asarray(reached)][:1]:
         raise ValueError(f"the arm does not reach the point ({x:g}, {y:g}) mm of the workplane")
+
+
+HEADING = (-1.01, -0.41)
+"""Of the hand at the near and at the far edge [rad]: with these, Table 1's labels agree in order."""
+
+
+class TiltedPlaneInverse(WorkplaneInverse):
+    """Joint positions of an arm like `tojo4dof` at points of a workplane, in closed form.
+
+    Three joints in a plane through the shoulder's y axis reach a point; the pitch tilts the plane so
+    that it holds the point, and so depends on the distance from the shoulder only. The fourth joint
+    is spent on the heading of the hand: its angle to the straight-ahead direction of the plane,
+    positive to the left, which changes linearly from the near edge to the far one.
+
+    Args:
+        arm: of the geometry of `tojo4dof`, with any lengths of the links.
+        workplane: the workplane, in the arm's base frame; it is copied.
+        heading: of the hand at the near and at the far edge of the workplane [rad].
+
+    Raises:
+        ValueError: the arm has another geometry, the heading is not two finite angles, or see
+            `Workplane.validate`.
+    """
+
+    def __init__(
+        self, arm: DhArm, workplane: Workplane, *, heading: tuple[float, float] = HEADING
+    ) -> None:
+        super().__init__(arm, workplane, arm.default_position)
+        self._lengths = _link_lengths(arm.table)
+        self._heading = check_finites("heading", heading, 2, "rad")
+
+    def __call__(self, points: ArrayLike) -> Array:
+        """As of `WorkplaneInverse`."""
+        points = np.asarray(points, dtype=float)
+        forward, left, up = np.moveaxis(self._workplane.to_world(points), -1, 0)
+        near, far = self._heading
+        heading = near + (far - near) * points[..., 1] / self._workplane.size[1]
+        upper, fore, hand = self._lengths
+        ahead = np.hypot(forward, up) - hand * np.cos(heading)  # the wrist, in the plane
+        left = left - hand * np.sin(heading)
+        cosine = (ahead**2 + left**2 - upper**2 - fore**2) / (2 * upper * fore)
+        check_reached(np.abs(cosine) <= 1.0, points)
+        pitch = np.arctan2(forward, -up)
+        elbow = np.arccos(cosine)
+        roll = np.arctan2(left, ahead) + np.arctan2(fore * np.sin(elbow), upper + fore * cosine)
+        return np.stack([pitch, roll, elbow, roll - elbow - heading], axis=-1)
+
+
+def _link_lengths(table: DhTable) -> tuple[float, float, float]:
+    """Upper arm, forearm and hand [m]; ValueError unless the table has the geometry."""
+    rows = [*table.joints, table.tool]
+    right = np.pi / 2
+    angles = [(right, -right), (-right, 0.0), (2 * right, 0.0), (0.0, 0.0), (0.0, 0.0)]
+    if not (
+        table.convention == "craig"
+        and len(rows) == len(angles)
+        and np.allclose([(row.alpha, row.theta) for row in rows], angles, rtol=0, atol=1e-12)
+        and not any((rows[0].a, rows[1].a, *(row.d for row in rows)))
+    ):
+        raise ValueError(f"arm {table.name!r} does not have the geometry of 'tojo4dof'")
+    return rows[2].a, rows[3].a, rows[4].a

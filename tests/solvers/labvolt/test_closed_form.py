@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fikm_drake.kinematics.planar_border import border_arcs, nearest_on_border
+from fikm_drake.kinematics.planar_links import two_links
+from fikm_drake.solvers.labvolt.feasible_postures import candidates, widest_arc
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.nearest import border_arcs, nearest
-from fikm_drake.solvers.labvolt.self_motion import candidates, widest_arc
 from fikm_drake.solvers.labvolt.targets import random_targets
-from fikm_drake.solvers.labvolt.two_links import two_links
 
 GEOMETRY = labvolt()
 SHARES = st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3)
@@ -42,7 +42,7 @@ def test_whatever_a_posture_reaches_is_solved(shares):
     point = GEOMETRY.tool((lower + np.array(shares) * (upper - lower))[:, None])
     q = widest_arc(GEOMETRY, point)
     if np.isnan(q).any():  # a corner, met only to rounding
-        q, distance = nearest(GEOMETRY, point)
+        q, distance = nearest_on_border(GEOMETRY, point)
         assert distance[0] < 1e-12
     assert GEOMETRY.error(q, point)[0] < 1e-12
     assert GEOMETRY.contains(q, 0.0).all()
@@ -53,7 +53,7 @@ def test_any_point_is_reached_or_proven_out_of_reach(point):
     point = np.array(point)[:, None]
     q = widest_arc(GEOMETRY, point)
     if np.isnan(q).any():
-        q, distance = nearest(GEOMETRY, point)
+        q, distance = nearest_on_border(GEOMETRY, point)
         assert GEOMETRY.error(q, point)[0] == pytest.approx(distance[0], abs=1e-12)
     else:
         assert GEOMETRY.error(q, point)[0] < 1e-12
@@ -73,7 +73,7 @@ def test_reachability_agrees_with_a_grid_of_theta_3():
 def test_no_reachable_point_is_nearer_than_the_nearest():
     points = square(300, 1) * 1.2
     points = points[:, np.isnan(widest_arc(GEOMETRY, points)[0])]
-    _, distance = nearest(GEOMETRY, points)
+    _, distance = nearest_on_border(GEOMETRY, points)
     rng = np.random.default_rng(2)
     angle = rng.uniform(-np.pi, np.pi, (200, points.shape[1]))
     size = distance * np.sqrt(rng.uniform(0.0, 1.0, angle.shape))
@@ -87,7 +87,7 @@ def test_nearest_beats_every_posture_of_a_grid():
     tools = GEOMETRY.tool(np.stack(np.meshgrid(*axes)).reshape(3, -1))
     points = square(200, 3) * 1.3
     points = points[:, np.isnan(widest_arc(GEOMETRY, points)[0])]
-    _, distance = nearest(GEOMETRY, points)
+    _, distance = nearest_on_border(GEOMETRY, points)
     for point, d in zip(points.T, distance):
         best = np.hypot(*(tools - point[:, None])).min()
         assert d <= best + 1e-12 and best < d + 0.03

@@ -12,8 +12,8 @@ import fikm_drake as fd
 from fikm_drake.fuzzy.mamdani import load_mamdani
 from fikm_drake.solvers.labvolt import METHODS, FuzzyStarts, LabVoltStatus, random_targets, solve
 from fikm_drake.solvers.labvolt.geometry import labvolt
+from fikm_drake.solvers.labvolt.methods import SQP_METHODS
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
-from fikm_drake.solvers.labvolt.ways import SQP_METHODS
 
 GEOMETRY = labvolt()
 NUMBER = st.floats(allow_nan=True, allow_infinity=True)

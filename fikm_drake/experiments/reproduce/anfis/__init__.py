@@ -1,15 +1,14 @@
 """Paper 2, Hassantabar 2021: its figures with numbers (`fikm-drake reproduce anfis`)."""
 
 from fikm_drake.experiments.reproduce.anfis.accuracy import accuracy
-from fikm_drake.experiments.reproduce.anfis.algorithm_1 import algorithm_1
 from fikm_drake.experiments.reproduce.anfis.arms_without_closed_form import no_closed_form
-from fikm_drake.experiments.reproduce.anfis.exactness_sample import exactness
 from fikm_drake.experiments.reproduce.anfis.feasible_regions import figure_3_6, figure_3_13
 from fikm_drake.experiments.reproduce.anfis.learning import figure_4_8
 from fikm_drake.experiments.reproduce.anfis.mid_points import figure_3_16
 from fikm_drake.experiments.reproduce.anfis.minimum_norm import minimum_norm
 from fikm_drake.experiments.reproduce.anfis.postures import figure_3_7, figure_3_8, figure_3_12
 from fikm_drake.experiments.reproduce.anfis.seven_joints import freedom
+from fikm_drake.experiments.reproduce.anfis.three_ways import algorithm_1, exactness
 from fikm_drake.experiments.reproduce.anfis.validation import figure_4_12, figure_4_16, resolution
 from fikm_drake.experiments.reproduce.report import Experiment
 

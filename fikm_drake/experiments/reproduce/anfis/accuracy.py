@@ -11,9 +11,9 @@ from fikm_drake.experiments.reproduce.anfis.samples import (
     exact,
     fresh_points,
     fresh_values,
+    load_static,
     rms_and_max,
 )
-from fikm_drake.experiments.reproduce.anfis.static_solution import load_static
 from fikm_drake.experiments.reproduce.anfis.tables import NUMBERS, bilinear_table, radial_table
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.anfis.anfis import Anfis

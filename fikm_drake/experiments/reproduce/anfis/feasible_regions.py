@@ -4,12 +4,14 @@ import numpy as np
 
 from fikm_drake.experiments.reproduce.anfis.region import (
     ARM,
+    A,
+    B,
     Region,
+    Trajectory,
     plot_regions,
     region,
     stretches,
 )
-from fikm_drake.experiments.reproduce.anfis.trajectories import A, B, Trajectory
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table

@@ -3,8 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from fikm_drake.experiments.reproduce.anfis.region import ARM, plot_region, region
-from fikm_drake.experiments.reproduce.anfis.trajectories import A
+from fikm_drake.experiments.reproduce.anfis.region import ARM, A, plot_region, region
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.planar_3r import Planar3R

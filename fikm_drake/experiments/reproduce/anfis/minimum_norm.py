@@ -4,8 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.experiments.reproduce.anfis.region import ARM, plot_region, region, stretches
-from fikm_drake.experiments.reproduce.anfis.trajectories import A, B
+from fikm_drake.experiments.reproduce.anfis.region import ARM, A, B, plot_region, region, stretches
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.planar_3r import Planar3R

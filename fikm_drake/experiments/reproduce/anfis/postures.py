@@ -5,8 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.reproduce.anfis.region import ARM
-from fikm_drake.experiments.reproduce.anfis.trajectories import A, B, Trajectory
+from fikm_drake.experiments.reproduce.anfis.region import ARM, A, B, Trajectory
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm

@@ -1,4 +1,4 @@
-"""Feasible regions of the thesis's arm along a trajectory, traced, and their pictures."""
+"""The thesis's trajectories, and feasible regions along them."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -7,13 +7,39 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.experiments.reproduce.anfis.trajectories import Trajectory
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.self_motion.interval_table import TURNING_POINT, FeasibleInterval
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """Straight sides from corner to corner; each side is the same share of the whole."""
+
+    name: str
+    """A letter."""
+    corners: tuple[tuple[float, float], ...]
+    """(x, y) [m], in order."""
+
+    def at(self, percent: ArrayLike) -> Array:
+        """Points (…,2) [m] at shares (…) of the trajectory [%]."""
+        shares = np.linspace(0.0, 100.0, len(self.corners))
+        x, y = np.transpose(self.corners)
+        percent = np.asarray(percent, dtype=float)
+        return np.stack([np.interp(percent, shares, x), np.interp(percent, shares, y)], axis=-1)
+
+
+A = Trajectory("A", ((-1.0, 2.0), (1.0, 2.0), (1.0, 4.0), (-1.0, 4.0), (-1.0, 2.0)))
+"""Table 3.2: a square."""
+B = Trajectory("B", ((-2.0, 1.0), (2.5, 1.0), (2.5, 2.0), (-2.0, 2.0), (-2.0, 1.0)))
+"""Table 3.3: a rectangle that leaves the workspace."""
+C = Trajectory("C", ((-0.5, 2.5), (1.5, 3.0), (1.5, 1.5), (-0.5, 2.5)))
+"""Figure 4.15: a triangle. The thesis draws it and gives no numbers; these are ours."""
+
 
 ARM = "hassantabar3r"
 SAMPLES = 161

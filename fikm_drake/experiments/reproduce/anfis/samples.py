@@ -1,12 +1,16 @@
 """What is learned of the thesis's arm, and fresh points to test it on."""
 
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import ARM
+from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.resources import find_model
+from fikm_drake.solvers.redundancy.train_bounds import train_on_workspace
 from fikm_drake.solvers.redundancy.workspace_points import (
     random_workspace_points,
     workspace_points,
@@ -62,3 +66,18 @@ def fresh_values() -> dict[str, Array]:
 def rms_and_max(error: Array) -> tuple[float, float]:
     """Root mean square and largest absolute error."""
     return float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
+
+
+FILE = "hassantabar3r_static"
+
+
+def train_static(progress: Callable[[float], None] | None = None) -> Anfis:
+    """Learn it from distance and angle."""
+    return train_on_workspace(
+        load_arm(ARM), lambda points: exact(points)["static"], "theta_1_static", progress=progress
+    )
+
+
+def load_static() -> Anfis:
+    """The ANFIS that comes with the library, written by `fikm-drake train static`."""
+    return Anfis.load(find_model(FILE, folder="learned", kind="learned model"))

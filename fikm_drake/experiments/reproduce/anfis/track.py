@@ -13,7 +13,7 @@ from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from pydrake.trajectories import PiecewisePolynomial
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.reproduce.anfis.trajectories import Trajectory
+from fikm_drake.experiments.reproduce.anfis.region import Trajectory
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.systems.redundancy_ik import RedundancyIk

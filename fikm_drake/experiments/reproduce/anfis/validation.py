@@ -4,10 +4,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fikm_drake.experiments.reproduce.anfis.learning import hybrid_anfis
-from fikm_drake.experiments.reproduce.anfis.region import ARM
+from fikm_drake.experiments.reproduce.anfis.region import ARM, A, C
 from fikm_drake.experiments.reproduce.anfis.samples import exact, fresh_points, rms_and_max
 from fikm_drake.experiments.reproduce.anfis.track import Track, track
-from fikm_drake.experiments.reproduce.anfis.trajectories import A, C
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver

@@ -2,13 +2,10 @@
 
 from fikm_drake.experiments.reproduce.fikm.ablation import ablation
 from fikm_drake.experiments.reproduce.fikm.claims import claims
-from fikm_drake.experiments.reproduce.fikm.measured_times import times
-from fikm_drake.experiments.reproduce.fikm.operation_counts import table_7
-from fikm_drake.experiments.reproduce.fikm.past import past
+from fikm_drake.experiments.reproduce.fikm.costs import table_7, times
+from fikm_drake.experiments.reproduce.fikm.past import past, supervise, torque
 from fikm_drake.experiments.reproduce.fikm.rules import table_1, table_2
 from fikm_drake.experiments.reproduce.fikm.stability import stability
-from fikm_drake.experiments.reproduce.fikm.supervise import supervise
-from fikm_drake.experiments.reproduce.fikm.torque import torque
 from fikm_drake.experiments.reproduce.fikm.tracking import (
     figure_11,
     figure_12,

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 
 from fikm_drake.experiments.reproduce.fikm import paths
-from fikm_drake.experiments.reproduce.fikm.operation_counts import saving_cells
+from fikm_drake.experiments.reproduce.fikm.costs import saving_cells
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_log import TrackingLog

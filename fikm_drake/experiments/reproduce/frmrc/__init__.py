@@ -1,7 +1,6 @@
 """Paper 3, Kim & Lee 1993: Table 1, figures 4, 6 and 7, and past them (`fikm-drake reproduce frmrc`)."""
 
-from fikm_drake.experiments.reproduce.frmrc.controller import controller, out_of_reach
-from fikm_drake.experiments.reproduce.frmrc.descent import descent
+from fikm_drake.experiments.reproduce.frmrc.past import controller, descent, out_of_reach
 from fikm_drake.experiments.reproduce.frmrc.random_lines import lines, starts
 from fikm_drake.experiments.reproduce.frmrc.rules import table_1
 from fikm_drake.experiments.reproduce.frmrc.tracking import cycles, figure_6, figure_7

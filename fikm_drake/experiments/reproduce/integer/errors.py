@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.reproduce.integer.workplane_errors import grid_errors, workplane_errors
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.integer import interpolate
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
@@ -182,3 +181,26 @@ def _maps(inverse: WorkplaneInverse) -> Figure:
     for axes in rows[:, 0]:
         axes.set_ylabel("y [mm]")
     return figure
+
+
+def workplane_errors(inverse: WorkplaneInverse, points: ArrayLike, q: Array) -> tuple[Array, Array]:
+    """Distance in the workplane's plane and height over it of the tool.
+
+    Args:
+        inverse: of the arm at its workplane.
+        points: wanted points (…,2) [mm].
+        q: joint positions (…,n) [rad].
+
+    Returns:
+        Distances (…) and heights (…) [mm].
+    """
+    reached = inverse.reached(q)
+    return np.linalg.norm(reached[..., :2] - np.asarray(points), axis=-1), reached[..., 2]
+
+
+def grid_errors(
+    ik: IntegerFuzzyIk, inverse: WorkplaneInverse, *, every: int = 1
+) -> tuple[Array, Array]:
+    """`workplane_errors` on the whole workplane at every whole millimetre, or every so many."""
+    points = inverse.workplane.grid(every)
+    return workplane_errors(inverse, points, ik.to_radians(ik.solve_batch(points)[0]))

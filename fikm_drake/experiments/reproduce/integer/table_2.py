@@ -1,5 +1,7 @@
 """Paper 5, section 4.2: what more joints cost (Table 2), and that the C is exact."""
 
+import numpy as np
+
 from fikm_drake.experiments.reproduce.integer.compiled import (
     FLAGS,
     find_compiler,
@@ -8,12 +10,13 @@ from fikm_drake.experiments.reproduce.integer.compiled import (
     mismatches,
     passes_self_test,
 )
-from fikm_drake.experiments.reproduce.integer.many_joints import JOINTS, many_joints
 from fikm_drake.experiments.reproduce.report import Cell, Section
-from fikm_drake.fuzzy.integer import SHAPES
+from fikm_drake.fuzzy.integer import SHAPES, IntegerRuleBase
 from fikm_drake.fuzzy.integer.integer_partition import Rounding
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.fuzzy.integer.write_c import Shape
+from fikm_drake.solvers.workplane.integer_fuzzy_ik import tojo_inverse
+from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse
 
 TABLE_2 = {4: 175, 8: 350, 12: 510, 24: 1040}
 """Joints: calculation time on a processor of 16 bits at 25 MHz [µs]."""
@@ -114,3 +117,39 @@ def export() -> Section:
                     Cell(f"{label}: self-test", None, "passed" if good else "failed", good)
                 )
     return Section("export", "C99 beside Python at 401 x 301 points, 9 x 9 labels", cells)
+
+
+JOINTS = (4, 8, 12, 24)
+"""Of Table 2."""
+ASIDE = 0.01
+"""From one arm's shoulder to the next one's [m]."""
+RESOLUTION = 0.01
+"""One step of the angles [°]."""
+
+
+def many_joints(
+    joints: int,
+    *,
+    labels: tuple[int, int] = (3, 3),
+    conjunction: Conjunction = "min",
+    rounding: Rounding = "truncate",
+) -> IntegerRuleBase:
+    """Rules for arms of 4 joints side by side that reach for the same point.
+
+    Args:
+        joints: a positive multiple of 4.
+        labels: of x and of y.
+        conjunction: `min` or `product`.
+        rounding: `truncate` or `nearest`.
+    """
+    own, positions = tojo_inverse(), []
+    for k in range(joints // 4):
+        workplane = own.workplane
+        workplane.origin[1] += ASIDE * k
+        inverse = TiltedPlaneInverse(own.arm, workplane)
+        first, second, found = inverse.singletons(labels, conjunction, least_squares=False)
+        positions.append(found)
+    steps = np.rint(np.rad2deg(np.concatenate(positions, axis=-1)) / RESOLUTION)
+    return IntegerRuleBase(
+        first, second, steps.astype(np.int64), conjunction=conjunction, rounding=rounding
+    )

@@ -1,14 +1,13 @@
-"""Paper 5, section 4.1: a rectangle, a circle and an inclined line (figures 7-12)."""
+"""Paper 5, section 4.1: figures 7-12, paths of the tool on the workplane."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.reproduce.integer import workplane_paths
+from fikm_drake.experiments.reproduce.integer.errors import workplane_errors
 from fikm_drake.experiments.reproduce.integer.servo_arm import PERIOD, Trace, trace
 from fikm_drake.experiments.reproduce.integer.table_1 import TABLE_1
-from fikm_drake.experiments.reproduce.integer.workplane_errors import workplane_errors
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk, tojo_inverse
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
@@ -27,17 +26,17 @@ LARGEST_LAG = 10.0
 
 def figure_7() -> Section:
     """Figures 7 and 8."""
-    return _traced("figure 7", "rectangle every 5 mm, figures 7, 8", workplane_paths.rectangle())
+    return _traced("figure 7", "rectangle every 5 mm, figures 7, 8", rectangle())
 
 
 def figure_9() -> Section:
     """Figures 9 and 10."""
-    return _traced("figure 9", "circle every 1°, figures 9, 10", workplane_paths.circle())
+    return _traced("figure 9", "circle every 1°, figures 9, 10", circle())
 
 
 def figure_11() -> Section:
     """Figures 11 and 12."""
-    return _traced("figure 11", "inclined line, figures 11, 12", workplane_paths.inclined_line())
+    return _traced("figure 11", "inclined line, figures 11, 12", inclined_line())
 
 
 def _traced(key: str, title: str, points: Array) -> Section:
@@ -106,3 +105,34 @@ def _plot_from_above(axes: Axes, run: Trace, inverse: WorkplaneInverse) -> None:
     axes.set_xlabel("x [mm]")
     axes.set_ylabel("y [mm]")
     axes.legend(fontsize=8, loc="lower right")
+
+
+CORNERS = [(0, 0), (400, 0), (400, 300), (0, 300), (0, 0)]
+"""Of the rectangle of 400 mm x 300 mm."""
+CENTRE, RADIUS = (200, 150), 150
+"""Of the circle: the largest inside the rectangle; the paper gives neither."""
+STEP = 5.0
+"""Between neighbouring points of the rectangle and of the line [mm]."""
+
+
+def rectangle() -> Array:
+    """Figures 7 and 8: the edges of the workplane's rectangle every 5 mm (k,2)."""
+    sides = [line(start, end)[:-1] for start, end in zip(CORNERS, CORNERS[1:])]
+    return np.concatenate([*sides, np.array(CORNERS[:1], dtype=float)])
+
+
+def circle() -> Array:
+    """Figures 9 and 10: a circle every 1° (361,2)."""
+    angle = np.deg2rad(np.arange(361))
+    return CENTRE + RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def inclined_line() -> Array:
+    """Figures 11 and 12: from the near left corner to the far right one every 5 mm (k,2)."""
+    return line(CORNERS[0], CORNERS[2])
+
+
+def line(start: tuple[float, float], end: tuple[float, float]) -> Array:
+    """Points every 5 mm from start to end, both included (k,2)."""
+    steps = round(float(np.hypot(end[0] - start[0], end[1] - start[1])) / STEP)
+    return np.linspace(start, end, steps + 1)

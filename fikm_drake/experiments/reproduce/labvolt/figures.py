@@ -13,8 +13,8 @@ from fikm_drake.experiments.reproduce.labvolt.runs import (
     targets,
 )
 from fikm_drake.experiments.reproduce.report import Cell, Section
+from fikm_drake.solvers.labvolt.feasible_postures import widest_arc
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.self_motion import widest_arc
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
 
 BASIC = ("analytic", "hybrid_analytic", RANDOM_START, "hybrid_sqp")

@@ -13,11 +13,16 @@ from fikm_drake.experiments.reproduce.labvolt.runs import (
 )
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.mamdani import load_mamdani
+from fikm_drake.solvers.labvolt.feasible_postures import widest_arc
 from fikm_drake.solvers.labvolt.fuzzy_starts import POSTURE, THETA_3, FuzzyStarts, default_starts
-from fikm_drake.solvers.labvolt.geometry import forward_kinematics, labvolt, to_absolute
+from fikm_drake.solvers.labvolt.geometry import (
+    forward_kinematics,
+    from_servo_counts,
+    labvolt,
+    to_absolute,
+    to_servo_counts,
+)
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
-from fikm_drake.solvers.labvolt.self_motion import widest_arc
-from fikm_drake.solvers.labvolt.servo_counts import from_servo_counts, to_servo_counts
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
 from fikm_drake.solvers.labvolt.targets import random_targets

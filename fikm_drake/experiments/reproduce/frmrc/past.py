@@ -1,13 +1,15 @@
-"""Past paper 3: the law in the main controller, on a line of paper 1 and out of reach."""
+"""Past paper 3: the law in the main controller, out of reach, and whether a pass makes an error longer."""
 
 import dataclasses
 
 import numpy as np
 
+from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.fikm.ablation import LAST, OPTIMUM, UNREACHABLE
 from fikm_drake.experiments.reproduce.frmrc.laws import ONE, PAPER, RMRC, THREE, laws
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_scenario import load_scenario
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
@@ -55,3 +57,43 @@ def out_of_reach() -> Section:
         "where Jᵀ dr = 0; the pseudo-inverse and damped least squares overshoot there for ever.",
     ]
     return Section("out of reach", "a target 0.5 m out of reach, 9 s", cells, notes)
+
+
+CASES, SEED = 20_000, 0
+SHAPES = ((2, 3), (3, 7), (6, 7), (6, 3))
+"""Rows and columns of J; each has its share of the cases."""
+GAINS = (0.1, 1.0, 1.5, 1.99)
+ROUNDING = 1e-12
+"""A relative growth that only rounding makes [-]."""
+
+
+def descent() -> Section:
+    """One pass of each variant on random Jacobians and errors, some of them beyond D."""
+    cells = []
+    for gain in GAINS:
+        for universes, reach in (("of the posture", None), ("fixed, too small", 0.5)):
+            count = longer("smooth", gain, reach)
+            label = f"smooth, gain {gain:g}, universes {universes}: passes that make |dr| longer"
+            cells.append(Cell(label, None, count, count == 0))
+    count = longer("paper", 1.4, None)
+    cells.append(Cell("paper, gain 1.4: passes that make |dr| longer", None, count))
+    notes = [f"Of {CASES} random J and dr each, columns and errors of lengths over four decades."]
+    return Section("descent", "passes that make the error longer", cells, notes)
+
+
+def longer(variant: str, gain: float, reach: float | None) -> int:
+    """How many of `CASES` random cases leave |dr − J dθ| longer than |dr|."""
+    rng = np.random.default_rng(SEED)
+    count = 0
+    for m, n in SHAPES:
+        J, dr = _cases(rng, CASES // len(SHAPES), m, n)
+        law = FuzzyRateControl(variant, gain=gain, reach=None if reach is None else [reach] * n)
+        left = dr - (J @ law(J, dr)[..., None])[..., 0]
+        before, after = np.linalg.norm(dr, axis=1), np.linalg.norm(left, axis=1)
+        count += int((after > (1.0 + ROUNDING) * before).sum())
+    return count
+
+
+def _cases(rng: np.random.Generator, count: int, m: int, n: int) -> tuple[Array, Array]:
+    J = rng.normal(size=(count, m, n)) * 10.0 ** rng.uniform(-3.0, 1.0, (count, 1, n))
+    return J, rng.normal(size=(count, m)) * 10.0 ** rng.uniform(-4.0, 0.0, (count, 1))

@@ -13,13 +13,13 @@ meet, the arm stretched but for b, or the limit of b if that comes first.
 import numpy as np
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.solvers.labvolt.geometry import Geometry
-from fikm_drake.solvers.labvolt.two_links import EDGE, chord, two_links, wrap
+from fikm_drake.kinematics.angles import wrap
+from fikm_drake.kinematics.planar_links import EDGE, PlanarLinks, chord, two_links
 
 SIDES = np.array([1.0, -1.0])[:, None]
 
 
-def candidates(geometry: Geometry, target: Array) -> Array:
+def candidates(geometry: PlanarLinks, target: Array) -> Array:
     """Postures with a relative angle at its limit, 12, or with θ_3 − θ_2 = 0, the last two.
 
     Args:
@@ -45,7 +45,7 @@ def candidates(geometry: Geometry, target: Array) -> Array:
     return wrap(q)
 
 
-def widest_arc(geometry: Geometry, target: Array) -> Array:
+def widest_arc(geometry: PlanarLinks, target: Array) -> Array:
     """The middle of the widest stretch of postures inside the limits.
 
     Args:
@@ -69,7 +69,7 @@ def widest_arc(geometry: Geometry, target: Array) -> Array:
 
 
 def _widest_middle(
-    geometry: Geometry, target: Array, ends: Array, feasible: Bools
+    geometry: PlanarLinks, target: Array, ends: Array, feasible: Bools
 ) -> tuple[Array, Array]:
     """Middles of the widest arcs (3,N), and their widths in t (N,); a width below 0: there is none."""
     widest_bend = _widest_bend(geometry, np.hypot(*target))
@@ -95,7 +95,7 @@ def _widest_middle(
     return q[:, best, lanes], width[best, lanes]
 
 
-def _posture(geometry: Geometry, target: Array, bend: float | Array, side: Array) -> Array:
+def _posture(geometry: PlanarLinks, target: Array, bend: float | Array, side: Array) -> Array:
     """Relative angles (3,…) for given θ_3 − θ_2 and sides of the elbow; not wrapped."""
     first, second, third = geometry.lengths
     length, turn = chord(second, third, bend)
@@ -103,7 +103,7 @@ def _posture(geometry: Geometry, target: Array, bend: float | Array, side: Array
     return np.array(np.broadcast_arrays(direction, elbow - turn, bend))
 
 
-def _widest_bend(geometry: Geometry, distance: Array) -> Array:
+def _widest_bend(geometry: PlanarLinks, distance: Array) -> Array:
     """β: the largest |θ_3 − θ_2| (N,) [rad]."""
     first, second, third = geometry.lengths
     limit = max(abs(geometry.lower[2]), abs(geometry.upper[2]))
@@ -112,7 +112,7 @@ def _widest_bend(geometry: Geometry, distance: Array) -> Array:
     return np.minimum(np.arccos(np.clip(cosine, -1.0, 1.0)), limit)
 
 
-def _curve_angle(geometry: Geometry, q: Array, widest_bend: Array) -> Array:
+def _curve_angle(geometry: PlanarLinks, q: Array, widest_bend: Array) -> Array:
     """The t of postures (3,N), in [−π/2, 3π/2]."""
     _, second, third = geometry.lengths
     _, direction = chord(second, third, q[2])

@@ -7,15 +7,15 @@ import numpy as np
 from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import labvolt
+from fikm_drake.solvers.labvolt.methods import program
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
-from fikm_drake.solvers.labvolt.ways import program
 
 AXIS = 1e-6
 """Nearer than this to the base's axis a target has no bearing [m]: the base stands still."""
 
 
-def follow(
+def follow_target(
     target: Array,
     last: Array,
     *,
