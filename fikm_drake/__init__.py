@@ -10,6 +10,8 @@ Layers, each of which imports only those below it: `experiments`, `simulation`, 
 radians, times in seconds.
 """
 
+from fikm_drake.control.clearance import Clearance, ClearanceInfo
+from fikm_drake.control.clearance_config import ClearanceConfig, load_clearance_rules
 from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
@@ -39,9 +41,11 @@ from fikm_drake.fuzzy.mamdani import (
 )
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
+from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.make_collision_checker import MakeCollisionChecker
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
@@ -106,6 +110,7 @@ from fikm_drake.systems.variable_gain import VariableGain
 __version__ = "0.1.0"
 
 __all__ = [
+    "AddArmCapsules",
     "AddDhArm",
     "AddFuzzyIkController",
     "AddFuzzyIkTorqueController",
@@ -113,6 +118,9 @@ __all__ = [
     "Anfis",
     "BatchSolution",
     "BatchStatus",
+    "Clearance",
+    "ClearanceConfig",
+    "ClearanceInfo",
     "CommandSupervision",
     "CommandSupervisor",
     "CommandSupervisorConfig",
@@ -157,6 +165,7 @@ __all__ = [
     "Law",
     "LearnedBounds",
     "LowPassFilter",
+    "MakeCollisionChecker",
     "MakeDhArmPlant",
     "MakeFuzzyIkController",
     "MamdaniConfig",
@@ -192,6 +201,7 @@ __all__ = [
     "generate_rule_base",
     "labvolt",
     "load_arm",
+    "load_clearance_rules",
     "load_workplane",
     "load_workplane_data",
     "load_mamdani",

@@ -1,0 +1,79 @@
+"""The nearest vector that keeps inequalities, row by row.
+
+Kaczmarz's method for equations walks from row to row and moves onto each; for inequalities (Hildreth's
+method) a row is moved onto only while it is violated, and let go once it pulls. Here the rows that push
+at the same time are solved together, which ends after as many steps as there are such rows.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROUNDS = 24
+"""Rows that are taken up at most, one a round [-]."""
+SOFT = 1e-7
+"""Rows whose squares differ by less than this fraction count as one, so that duplicates do no harm [-]."""
+TINY = 1e-12
+"""Rows shorter than this fraction of the longest one say nothing [-]."""
+
+
+def project(step: Array, rows: Array, bounds: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
+    """The vector nearest to `step` that keeps rows · x ≥ bounds, and how each row pushes.
+
+    The work is bounded: rows that contradict one another leave a compromise, so look at what is kept.
+
+    Args:
+        step: (n,).
+        rows: (k,n), finite.
+        bounds: (k,); −inf for a row that does not count.
+        tolerance: a row that is violated by less is kept, in the unit of the bounds.
+
+    Returns:
+        x (n,), equal to `step` where that keeps all rows; multipliers μ ≥ 0 (k,), zero for rows that
+        do not push: x = step + rowsᵀ μ.
+    """
+    multipliers = np.zeros(len(bounds))
+    asked = rows.dot(step) - bounds
+    if not len(bounds) or asked.min() >= -tolerance:
+        return step, multipliers
+    squares = np.einsum("ij,ij->i", rows, rows)
+    sizes = np.sqrt(squares)
+    sizes[sizes <= TINY * sizes.max()] = np.inf
+    tolerance = max(tolerance, 1e-12 * float(np.abs(asked).max()))
+    x, active, pushes = step, [], np.zeros(0)
+    slack = asked
+    for _ in range(ROUNDS):
+        depth = (slack + tolerance) / sizes
+        worst = int(depth.argmin())
+        if depth[worst] >= 0.0 or worst in active:
+            break
+        active.append(worst)
+        active, pushes = _solve(active, rows, asked)
+        x = step + pushes.dot(rows[active])
+        slack = rows.dot(x) - bounds
+    multipliers[active] = pushes
+    return x, multipliers
+
+
+def _solve(active: list[int], rows: Array, asked: Array) -> tuple[list[int], Array]:
+    """The active rows that push, and their multipliers, so that their slack is zero."""
+    while True:
+        if len(active) == 1:
+            row = rows[active[0]]
+            return active, np.array([-asked[active[0]] / row.dot(row)])
+        few = rows[active]
+        gram = few.dot(few.T)
+        gram.flat[:: len(active) + 1] *= 1.0 + SOFT
+        pushes = np.linalg.solve(gram, -asked[active])
+        least = int(pushes.argmin())
+        if pushes[least] >= 0.0:
+            return active, pushes
+        active = active[:least] + active[least + 1 :]
+
+
+def free_part(vectors: Array, rows: Array) -> Array:
+    """The part of vectors (…,n) that rows (k,n) do not feel, to within `SOFT`."""
+    gram = rows.dot(rows.T)
+    gram.flat[:: len(rows) + 1] *= 1.0 + SOFT
+    return vectors - vectors.dot(np.linalg.solve(gram, rows).T).dot(rows)

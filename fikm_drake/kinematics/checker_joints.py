@@ -1,0 +1,110 @@
+"""Joints of an arm in the plant of a collision checker, and how far each moves the arm's points."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Joint, JointIndex
+from pydrake.planning import CollisionChecker
+
+Array = NDArray[np.float64]
+
+
+def scoped_joint_name(joint: Joint, plant: MultibodyPlant) -> str:
+    """`instance::joint`."""
+    return f"{plant.GetModelInstanceName(joint.model_instance())}::{joint.name()}"
+
+
+def checker_indices(checker: CollisionChecker, joints: Sequence[str] | None) -> NDArray[np.int64]:
+    """Where the arm's joints stand in the positions of the checker's plant (n,).
+
+    Args:
+        checker: the checker.
+        joints: names, `instance::joint` or, where only one is so called, `joint`; None: all joints of one
+            position of the checker's robot.
+
+    Raises:
+        ValueError: the checker is none, or its plant lacks a joint; the message lists those it has.
+    """
+    if not isinstance(checker, CollisionChecker):
+        raise ValueError(
+            f"collision_checker must be one of Drake's, such as of MakeCollisionChecker, got {checker!r}"
+        )
+    plant = checker.plant()
+    robots = set(checker.robot_model_instances())
+    found: dict[str, Joint] = {}
+    short: dict[str, list[str]] = {}
+    for i in plant.GetJointIndices():
+        joint = plant.get_joint(JointIndex(i))
+        if joint.num_positions() == 1 and joint.model_instance() in robots:
+            name = scoped_joint_name(joint, plant)
+            found[name] = joint
+            short.setdefault(joint.name(), []).append(name)
+    if joints is None:
+        joints = list(found)
+    indices = []
+    for name in joints:
+        full = name if name in found else (short.get(name.split("::")[-1]) or [""])
+        full = full[0] if isinstance(full, list) and len(full) == 1 else full
+        if full not in found:
+            raise ValueError(
+                f"the collision checker's robot has no joint {name!r}: it is of another plant; "
+                f"it has: {', '.join(found) or 'none'}"
+            )
+        indices.append(found[full].position_start())
+    if not indices or len(set(indices)) != len(indices):
+        raise ValueError(f"the collision checker needs one robot joint for each of {list(joints)}")
+    return np.array(indices, dtype=np.int64)
+
+
+def joint_reach(checker: CollisionChecker, indices: NDArray[np.int64]) -> Array:
+    """Bounds (n,) of how far a joint's motion moves points of the robot's shapes [m/rad or 1].
+
+    For a joint that turns, the length of the longest way out from its axis along the links, with the
+    sizes of the shapes there; 1 for one that slides.
+    """
+    plant = checker.plant()
+    inspector = checker.model().scene_graph().model_inspector()
+    radius = np.zeros(plant.num_bodies())
+    for geometry in inspector.GetAllGeometryIds():
+        body = plant.GetBodyFromFrameId(inspector.GetFrameId(geometry))
+        box = inspector.GetObbInGeometryFrame(geometry)
+        if body is None or box is None or inspector.GetProximityProperties(geometry) is None:
+            continue
+        centre = inspector.GetPoseInFrame(geometry) @ box.pose().translation()
+        size = float(np.linalg.norm(centre) + np.linalg.norm(box.half_width()))
+        radius[int(body.index())] = max(radius[int(body.index())], size)
+    children: dict[int, list[Joint]] = {}
+    by_position: dict[int, Joint] = {}
+    for i in plant.GetJointIndices():
+        joint = plant.get_joint(JointIndex(i))
+        children.setdefault(int(joint.parent_body().index()), []).append(joint)
+        if joint.num_positions() == 1:
+            by_position[joint.position_start()] = joint
+
+    def beyond(body: int) -> float:
+        """From the origin of a body to the furthest point beyond."""
+        ways = [_ways(joint) for joint in children.get(body, [])]
+        ends = [
+            inside + outside + beyond(int(joint.child_body().index()))
+            for joint, (inside, outside) in zip(children.get(body, []), ways)
+        ]
+        return max([radius[body], *ends])
+
+    reach = []
+    for index in indices.tolist():
+        joint = by_position[index]
+        turns = joint.type_name() != "prismatic"
+        reach.append(_ways(joint)[1] + beyond(int(joint.child_body().index())) if turns else 1.0)
+    return np.array(reach)
+
+
+def _ways(joint: Joint) -> tuple[float, float]:
+    """From the parent's origin to the joint, slid as far as it can, and from there to the child's."""
+    inside = float(np.linalg.norm(joint.frame_on_parent().GetFixedPoseInBodyFrame().translation()))
+    outside = float(np.linalg.norm(joint.frame_on_child().GetFixedPoseInBodyFrame().translation()))
+    if joint.type_name() == "prismatic":
+        limits = np.abs([joint.position_lower_limits(), joint.position_upper_limits()])
+        inside += float(np.where(np.isfinite(limits), limits, 0.0).max())
+    return inside, outside
