@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.parsing import LoadModelDirectives, ProcessModelDirectives
@@ -22,8 +23,8 @@ from fikm_drake.resources import ConfigureParser
 
 DIRECTIVES, MODELS = (".yaml", ".yml"), (".urdf", ".sdf", ".xml", ".mjcf", ".usd")
 
-Populate = Callable[[RobotDiagramBuilder], None]
-Source = str | Path | DhArm | MultibodyPlant | Populate
+Populate: TypeAlias = Callable[[RobotDiagramBuilder], None]
+Source: TypeAlias = str | Path | DhArm | MultibodyPlant | Populate
 
 
 def MakeCollisionChecker(
