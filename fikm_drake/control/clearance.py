@@ -31,6 +31,8 @@ BLOCKED = 0.5
 """The arm is blocked where obstacles take away this fraction of the step [-]."""
 DAMPING = 0.05
 """Of the motion that gives way, over the mean square of the rows of the Jacobian [-]."""
+USELESS = (0.002, 0.005)
+"""The first fraction of the task's motion is not worth a motion of the joints, the second is [-]."""
 UNFELT = 1e-18
 """The square of a row that the arm's joints do not change, such as that of its base [(m/rad)²]."""
 NONE = (-1, -1)
@@ -231,6 +233,8 @@ class Clearance:
             step, pushes = _again(J, asked, step, pushes, rows, bounds, self._tolerance)
         step = _kept(step, rows, bounds, self._tolerance)
         step = self._looked_at(q, step, near, rows, bounds, others, others_before)
+        if J is not None and not (bounds > 2.0 * self._tolerance).any():
+            step = step * _use(J.dot(asked), J.dot(step))
         return step, self._info(distance, near, pushes, asked, step, J)
 
     def _share(self, rate: Any) -> Any:
@@ -350,6 +354,19 @@ def _again(
         return step, pushes
     again, pushed = project(step + more, rows, bounds, tolerance)
     return again, np.maximum(pushes, pushed)
+
+
+def _use(asked: Array, left: Array) -> float:
+    """1, less where next to nothing is left of the task's motion (m,): an arm that is stuck shall rest.
+
+    What would go on is a drift of its joints along the obstacle, which brings the tool no nearer.
+    """
+    whole = float(asked.dot(asked))
+    if whole == 0.0:
+        return 1.0
+    nothing, something = USELESS
+    use = (float(left.dot(asked)) / whole - nothing) / (something - nothing)
+    return min(1.0, max(0.0, use))
 
 
 def _kept(step: Array, rows: Array, bounds: Array, tolerance: float) -> Array:
