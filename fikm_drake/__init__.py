@@ -36,10 +36,16 @@ from fikm_drake.fuzzy.mamdani import (
     MamdaniConfig,
     MamdaniSystem,
     load_mamdani,
-    plot_memberships,
-    plot_surface,
+    parse_rules,
 )
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
+from fikm_drake.fuzzy.teaching import (
+    Explanation,
+    fuzzy_view,
+    plot_memberships,
+    plot_rules,
+    plot_surface,
+)
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
 from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -137,6 +143,7 @@ __all__ = [
     "DhJoint",
     "DhTable",
     "DhTransform",
+    "Explanation",
     "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
@@ -197,6 +204,7 @@ __all__ = [
     "closest_to_mid_range",
     "feasible_interval_table",
     "feasible_intervals",
+    "fuzzy_view",
     "generate_feasibility_data",
     "generate_rule_base",
     "labvolt",
@@ -207,14 +215,4 @@ __all__ = [
     "load_mamdani",
     "load_scenario",
     "minimum_norm_path",
-    "nearest_reachable",
-    "plot_log",
-    "plot_memberships",
-    "plot_surface",
-    "simulate",
-    "solve_batch",
-    "trace_self_motion",
-    "train_bounds",
-    "train_traced_bounds",
-    "write_html",
-]
+    "parse_rules",

@@ -215,6 +215,15 @@ class Anfis:
         x = (np.asarray(values, dtype=float) - self._scale.middle[k]) / self._scale.half[k]
         return np.exp(self._network.kind.log_grades(x, self._network.premises[k]))
 
+    def rules_at(self, point: ArrayLike) -> tuple[Array, Array]:
+        """What every rule says at one point (d,): weights that add up to 1, and outputs, (m_1,…,m_d) each.
+
+        Raises:
+            ValueError: the point has another shape, or nothing has been learned yet.
+        """
+        x = self._scale.scaled(checked_inputs("point", np.atleast_2d(point), len(self.memberships)))
+        return self._network.rules_at(x[:, 0], self._trained())
+
     def rules(self) -> list[str]:
         """Readable rules, the last input running fastest; a membership goes by its center.
 

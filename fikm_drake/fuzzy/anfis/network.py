@@ -80,6 +80,15 @@ class Network:
             left = np.einsum("mrn,mn->rn", left.reshape(len(share), -1, count), share)
         return np.einsum("tn,tn->n", left, self._terms(x))
 
+    def rules_at(self, x: Array, coefficients: Array) -> tuple[Array, Array]:
+        """Weight and output of every rule (m_1,…,m_d) at one point (d,): their products add up."""
+        x = x[:, None]
+        weights = np.ones(1)
+        for share in self.shares(x):
+            weights = weights[..., None] * share[:, 0]
+        outputs = coefficients.reshape(-1, self.num_terms) @ self._terms(x)[:, 0]
+        return weights.reshape(self.shape), outputs.reshape(self.shape)
+
     def output_and_slopes(self, x: Array, coefficients: Array) -> tuple[Array, Array]:
         """Output (N,) and its derivatives (P,N) by the premise parameters, coefficients held."""
         shares = self.shares(x)

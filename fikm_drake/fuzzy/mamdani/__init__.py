@@ -7,7 +7,7 @@ aggregation, defuzzification, once an output), and the default where no rule fir
 
 from fikm_drake.fuzzy.mamdani.mamdani_config import FuzzyRule, MamdaniConfig
 from fikm_drake.fuzzy.mamdani.mamdani_system import Inference, MamdaniSystem, load_mamdani
-from fikm_drake.fuzzy.mamdani.plots import plot_memberships, plot_surface
+from fikm_drake.fuzzy.mamdani.parse_rules import parse_rules
 
 __all__ = [
     "FuzzyRule",
@@ -15,6 +15,5 @@ __all__ = [
     "MamdaniConfig",
     "MamdaniSystem",
     "load_mamdani",
-    "plot_memberships",
-    "plot_surface",
+    "parse_rules",
 ]

@@ -61,7 +61,7 @@ class Aggregate:
         if not self.adds:
             return self.grid.size
         n = len(self.cores)
-        return 2 * n * (2 * n + self.stack.has_gaussian * self.grid.size)
+        return max(self.grid.size, 2 * n * (2 * n + self.stack.has_gaussian * self.grid.size))
 
     def tops(self, strengths: Array) -> tuple[Array, Array]:
         """Where each conclusion is cut off, or its core if it is scaled: from, to, inside the range.

@@ -14,6 +14,9 @@ from fikm_drake.fuzzy.mamdani.aggregate import Aggregate, integral_weights
 TIE = 1e-9
 """Heights within this fraction are equal; lengths under this fraction of the range are a point."""
 
+GAP = 1e-12
+"""An area less than this fraction of all is none."""
+
 
 def height(aggregate: Aggregate, strengths: Array) -> Array:
     """The mean of the middles of the cores, weighted by the strengths; exact."""
@@ -37,6 +40,61 @@ def centroid(aggregate: Aggregate, strengths: Array) -> Array:
     else:
         area, moment = aggregate.weights @ aggregate.on_grid(strengths)
     return moment / area
+
+
+def bisector(aggregate: Aggregate, strengths: Array) -> Array:
+    """Where half of the area is on either side; the aggregate is linear between samples of the grid.
+
+    Exact for a sum of scaled triangles and trapezoids, whose corners are all on the grid. Where the
+    half is a gap with no area, its middle.
+    """
+    heights = aggregate.on_grid(strengths)
+    widths = np.diff(aggregate.grid)[:, None]
+    areas = np.cumsum(0.5 * widths * (heights[1:] + heights[:-1]), axis=0)
+    half = 0.5 * areas[-1]
+    return 0.5 * (
+        _reaches(aggregate.grid, heights, areas, half * (1.0 - GAP))
+        + _reaches(aggregate.grid, heights, areas, half * (1.0 + GAP))
+    )
+
+
+def _reaches(grid: Array, heights: Array, areas: Array, wanted: Array) -> Array:
+    """Where the area from the left (K - 1,N) reaches what is wanted (N,), linear heights (K,N)."""
+    lane = np.arange(wanted.size)
+    cell = np.minimum((areas < wanted).sum(axis=0), len(areas) - 1)
+    left, right, width = heights[cell, lane], heights[cell + 1, lane], np.diff(grid)[cell]
+    missing = wanted - np.where(cell > 0, areas[cell - 1, lane], 0.0)
+    # left s + slope s²/2 = missing, by the root that has no cancellation.
+    slope = (right - left) / width
+    root = np.sqrt(np.maximum(left * left + 2.0 * slope * missing, 0.0))
+    way = 2.0 * missing / np.maximum(left + root, np.finfo(float).tiny)
+    return grid[cell] + np.clip(way, 0.0, width)
+
+
+def smallest_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
+    """The least place where the aggregate is greatest. Exact, but for a sum with Gaussians."""
+    first, _ = _ends(aggregate, strengths)
+    return first
+
+
+def largest_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
+    """The last place where the aggregate is greatest. Exact, but for a sum with Gaussians."""
+    _, last = _ends(aggregate, strengths)
+    return last
+
+
+def _ends(aggregate: Aggregate, strengths: Array) -> tuple[Array, Array]:
+    if aggregate.adds:
+        left = right = nodes = _nodes(aggregate, strengths)
+        heights = np.add.reduce(
+            aggregate.implied(strengths[:, None], aggregate.stack.grades(nodes[None]))
+        )
+        top = heights >= np.maximum.reduce(heights) * (1.0 - TIE)
+    else:
+        left, right = aggregate.tops(strengths)
+        top = strengths >= np.maximum.reduce(strengths) * (1.0 - TIE)
+    first = np.where(top, left, np.inf).min(axis=0)
+    return first, np.where(top, right, -np.inf).max(axis=0)
 
 
 def mean_of_maximum(aggregate: Aggregate, strengths: Array) -> Array:
@@ -65,11 +123,7 @@ def _top_of_sum(aggregate: Aggregate, strengths: Array) -> Array:
 
     A sum with Gaussians is looked at on the grid too.
     """
-    nodes = np.concatenate(aggregate.tops(strengths))
-    if aggregate.stack.has_gaussian:
-        grid = np.broadcast_to(aggregate.grid[:, None], (aggregate.grid.size, nodes.shape[1]))
-        nodes = np.concatenate([nodes, grid])
-    nodes.sort(axis=0)
+    nodes = _nodes(aggregate, strengths)
     widths = nodes[1:] - nodes[:-1]
     places = np.concatenate([nodes, nodes[:-1] + 0.5 * widths])
     grades = aggregate.stack.grades(places[None])
@@ -78,6 +132,16 @@ def _top_of_sum(aggregate: Aggregate, strengths: Array) -> Array:
     # Between nodes the sum is convex: level if its middle is as high as its ends.
     ends, middles = top[: len(nodes)], top[len(nodes) :]
     return _centre(aggregate, nodes[:-1], widths * (ends[:-1] & ends[1:] & middles), nodes, ends)
+
+
+def _nodes(aggregate: Aggregate, strengths: Array) -> Array:
+    """Where a sum can be greatest, sorted (nodes,N)."""
+    nodes = np.concatenate(aggregate.tops(strengths))
+    if aggregate.stack.has_gaussian:
+        grid = np.broadcast_to(aggregate.grid[:, None], (aggregate.grid.size, nodes.shape[1]))
+        nodes = np.concatenate([nodes, grid])
+    nodes.sort(axis=0)
+    return nodes
 
 
 def _centre(
@@ -101,7 +165,10 @@ def _centre(
 
 DEFUZZIFY: dict[str, Callable[[Aggregate, Array], Array]] = {
     "centroid": centroid,
+    "bisector": bisector,
     "mean_of_maximum": mean_of_maximum,
+    "smallest_of_maximum": smallest_of_maximum,
+    "largest_of_maximum": largest_of_maximum,
     "height": height,
 }
 """The methods by name."""

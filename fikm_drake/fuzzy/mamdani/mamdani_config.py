@@ -10,7 +10,14 @@ from fikm_drake.fuzzy.fuzzy_variable import NOT, FuzzyVariable
 JOINS = ("and", "or")
 NORMS = ("minimum", "product")
 AGGREGATIONS = ("maximum", "sum")
-DEFUZZIFICATIONS = ("centroid", "mean_of_maximum", "height")
+DEFUZZIFICATIONS = (
+    "centroid",
+    "bisector",
+    "mean_of_maximum",
+    "smallest_of_maximum",
+    "largest_of_maximum",
+    "height",
+)
 
 
 @dataclass
@@ -54,7 +61,8 @@ class MamdaniConfig:
     aggregation: str = "maximum"
     """Conclusions are united by their `maximum`, or by their `sum`."""
     defuzzification: str = "centroid"
-    """`centroid`, `mean_of_maximum`, or `height`: the mean of cores weighted by strengths."""
+    """`centroid` or `bisector` of the area, `mean_of_maximum`, `smallest_of_maximum` or
+    `largest_of_maximum` of where it is highest, or `height`: the mean of cores weighted by strengths."""
     samples: int = 201
     """Points of an output's range at which areas are sampled, if they are not exact."""
 

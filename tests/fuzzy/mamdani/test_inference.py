@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fikm_drake.fuzzy.mamdani import MamdaniSystem
@@ -108,6 +108,33 @@ def test_mean_of_maximum(make_config, choices, point):
         assume(tops[1].max() - tops[1].min() < tops[0].max() - tops[0].min() + 0.2)
         tolerance = 3e-3 * (variable.upper - variable.lower)
         assert value == pytest.approx(tops[0].mean(), abs=tolerance)
+
+
+@settings(max_examples=40)
+@given(choices, points)
+def test_first_and_last_of_maximum(make_config, choices, point):
+    for k, method in enumerate(("smallest_of_maximum", "largest_of_maximum")):
+        config = make_config(defuzzification=method, **choices)
+        values, _ = MamdaniSystem(config)(point)
+        strengths = strengths_by_definition(config, point)
+        for variable, value in zip(config.outputs, values):
+            y, united = aggregate_by_definition(config, variable, strengths)
+            tops = [y[united >= (1.0 - near) * united.max()][-k] for near in (1e-12, 1e-3)]
+            assume(abs(tops[1] - tops[0]) < 0.1 * (variable.upper - variable.lower))
+            tolerance = 3e-3 * (variable.upper - variable.lower)
+            assert value == pytest.approx(tops[0], abs=tolerance)
+
+
+@settings(max_examples=40)
+@given(choices, points)
+def test_bisector(make_config, choices, point):
+    config = make_config(defuzzification="bisector", **choices)
+    values, _ = MamdaniSystem(config)(point)
+    strengths = strengths_by_definition(config, point)
+    for variable, value in zip(config.outputs, values):
+        y, united = aggregate_by_definition(config, variable, strengths)
+        left = united[y < value].sum() / united.sum()
+        assert left == pytest.approx(0.5, abs=1e-3)
 
 
 @given(choices, points)

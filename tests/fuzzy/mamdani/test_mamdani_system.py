@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.mamdani import FuzzyRule, MamdaniConfig, MamdaniSystem
+from fikm_drake.fuzzy.mamdani.mamdani_config import DEFUZZIFICATIONS
 from fikm_drake.fuzzy.memberships import Gaussian, Trapezoid, Triangle
 from fikm_drake.fuzzy.rule_base import RuleBase
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
@@ -22,7 +23,7 @@ ALL_CHOICES = [
         ("minimum", "product"),
         ("minimum", "product"),
         ("maximum", "sum"),
-        ("centroid", "mean_of_maximum", "height"),
+        DEFUZZIFICATIONS,
     )
 ]
 rng = np.random.default_rng(0)
@@ -55,7 +56,10 @@ def test_one_point_and_many_give_the_same(make_config, choices):
 def test_is_equivariant_in_the_unit_of_the_output(make_config, choices):
     """Degrees to radians, and the other way round: only the numbers of the output change."""
     degrees = make_config(**choices)
-    radians = make_config(**choices)
+    mirrored = {"smallest_of_maximum": "largest_of_maximum"}
+    mirrored |= {last: first for first, last in mirrored.items()}
+    method = mirrored.get(choices["defuzzification"], choices["defuzzification"])
+    radians = make_config(**{**choices, "defuzzification": method})
     scale = -math.pi / 180.0
     angle = radians.outputs[0]
     angle.lower, angle.upper = scale * angle.upper, scale * angle.lower
@@ -154,6 +158,36 @@ def test_means_of_maxima_by_hand():
     assert scaled([0.5, 0.5]).values[0] == pytest.approx(6.5)  # an interval outweighs a point
 
 
+def test_first_and_last_of_maxima_by_hand():
+    shapes = {"low": Triangle(0.0, 2.0, 4.0), "high": Trapezoid(4.0, 6.0, 7.0, 9.0)}
+    for method, ends in (("smallest", [1.0, 5.0, 1.0]), ("largest", [3.0, 8.0, 8.0])):
+        for aggregation in ("maximum", "sum"):
+            system = one_output(
+                shapes,
+                ["low", "high"],
+                aggregation=aggregation,
+                defuzzification=f"{method}_of_maximum",
+            )
+            values = system([[0.5, 0.2], [0.2, 0.5], [0.5, 0.5]]).values[:, 0]
+            np.testing.assert_allclose(values, ends, rtol=0.0, atol=1e-9)
+
+
+def test_bisectors_by_hand():
+    shapes = {"low": Triangle(0.0, 2.0, 4.0), "high": Trapezoid(6.0, 6.0, 8.0, 8.0)}
+    for aggregation in ("maximum", "sum"):
+        system = one_output(
+            shapes,
+            ["low", "high"],
+            implication="product",
+            aggregation=aggregation,
+            defuzzification="bisector",
+        )
+        # Areas 2 and 2: half is on either side of the whole gap from 4 to 6, whose middle is 5. Then
+        # the triangle alone; then areas 2 and 1: 1.5 of 2 are left of 4 - s with s²/4 = 0.5.
+        values = system([[1.0, 1.0], [0.4, 0.0], [1.0, 0.5]]).values[:, 0]
+        np.testing.assert_allclose(values, [5.0, 2.0, 4.0 - 2.0**0.5], rtol=0.0, atol=1e-5)
+
+
 def test_tops_that_are_points_count_alike():
     shapes = {"low": Triangle(0.0, 2.0, 4.0), "high": Triangle(5.0, 7.0, 9.0)}
     for aggregation in ("maximum", "sum"):
@@ -218,7 +252,11 @@ def test_weak_rules_are_no_trouble(strength, choices):
     system = one_output({"low": Triangle(1.0, 2.0, 3.0)}, ["low"], **choices)
     values, fired = system([strength])
     assert fired[0] == (strength > 1e-100)
-    assert values[0] == pytest.approx(2.0 if fired[0] else 5.0, abs=1e-6)
+    # A weak conclusion is cut off low down: its top reaches from nearly 1 to nearly 3.
+    half = 1.0 - strength if choices["implication"] == "minimum" else 0.0
+    ends = {"smallest_of_maximum": 2.0 - half, "largest_of_maximum": 2.0 + half}
+    expected = ends.get(choices["defuzzification"], 2.0) if fired[0] else 5.0
+    assert values[0] == pytest.approx(expected, abs=1e-6)
 
 
 def test_infinity_is_the_end_of_the_range(make_config):

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from fikm_drake.fuzzy.mamdani import MamdaniSystem, load_mamdani, plot_memberships, plot_surface
+from fikm_drake.fuzzy.mamdani import MamdaniSystem, load_mamdani
 from fikm_drake.fuzzy.memberships import Triangle
+from fikm_drake.fuzzy.teaching import plot_memberships, plot_surface
 
 
 def test_memberships_of_a_variable(make_config):
@@ -59,8 +60,8 @@ def test_a_slice_of_a_system_of_three_inputs(make_config):
     [
         ({"output": "torque"}, "output must be one of: angle, speed"),
         ({"resolution": 1}, "resolution must be at least 2, got 1"),
-        ({"fixed": {"x": 0.0}}, r"fixed must leave two of the inputs x, y, got \{'x': 0.0\}"),
-        ({"fixed": {"w": 0.0}}, "fixed must leave two of the inputs"),
+        ({"fixed": {"x": 0.0, "y": 0.0}}, "fixed must leave one or two of the inputs x, y, got"),
+        ({"fixed": {"w": 0.0}}, "fixed must leave one or two of the inputs"),
     ],
 )
 def test_refuses(make_config, options, message):
