@@ -78,20 +78,17 @@ class JointLimits:
             )
         return low, high
 
-    def longest(self, step: Array) -> Array:
-        """How much (n,) of each joint's step (n,) can be braked within the step's own length."""
-        return np.minimum(self._fastest, self._braking(np.abs(step)))
+    def brakeable(self, step: Array) -> Array:
+        """The step (n,), shortened as a whole so that each joint's can be braked within its own length.
+
+        Nothing else is known of the way to the target, so this is where an arm with limits of acceleration
+        begins to brake before it. Without such limits it is the step itself.
+        """
+        return self._shorten(step, self._braking(np.abs(step))) if self.brakes else step
 
     def shorten(self, step: Array) -> Array:
-        """The step (n,), shortened as a whole to what speed and `longest` allow each joint."""
-        if self.brakes:
-            longest = self.longest(step)
-        elif self._fast:
-            longest = self._fastest
-        else:
-            return step
-        excess = float((np.abs(step) / np.maximum(longest, 1e-300)).max())
-        return step / excess if excess > 1.0 else step
+        """The step (n,), shortened as a whole to the speed that every joint may have."""
+        return self._shorten(step, self._fastest) if self._fast else step
 
     def integrate(self, position: Array, step: Array, velocity: Array) -> Array:
         """The position (n,) after the step, as far as it is allowed.
@@ -112,11 +109,16 @@ class JointLimits:
         return bool((self._rate(position, step, velocity) != step).any())
 
     def _rate(self, position: Array, step: Array, velocity: Array) -> Array:
-        step = self.shorten(step)
+        step = self.shorten(self.brakeable(step))
         if not self.brakes:
             return step
         low, high = self.step_bounds(position, velocity)
         return np.minimum(np.maximum(step, low), high)
+
+    @staticmethod
+    def _shorten(step: Array, longest: Array) -> Array:
+        excess = float((np.abs(step) / np.maximum(longest, 1e-300)).max())
+        return step / excess if excess > 1.0 else step
 
     def _braking(self, distance: Array) -> Array:
         """The longest step (n,) after which a stop within `distance` (n,) is possible.

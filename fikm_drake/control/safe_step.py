@@ -1,13 +1,16 @@
 """A law's joint step, made safe."""
 
 from functools import cache
-from math import inf, isfinite, sqrt
+from math import inf
 
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
+from fikm_drake.control.saturation import resolve
+from fikm_drake.control.steps import length
 from fikm_drake.laws.law import Law
 
 DEAD = 1e-3
@@ -46,7 +49,7 @@ class SafeStep:
         self._limits = limits
         self._posture = posture
         self._side_step = singularity_nudge
-        self._dead = DEAD**2 if singularity_nudge else 0.0
+        self._dead = DEAD if singularity_nudge else 0.0
         self._posture_gain = posture_gain
 
     def __call__(self, q: Array, J: Array, error: Array, damping: float | None = None) -> Array:
@@ -58,22 +61,80 @@ class SafeStep:
             error: task error (m,) [m].
             damping: for a law that takes it [-], else None.
         """
+        step, _, _ = self._free(q, J, error, damping)
+        return self._short(step, error)
+
+    def inside(
+        self,
+        q: Array,
+        J: Array,
+        error: Array,
+        low: Array,
+        high: Array,
+        limits: JointLimits,
+        damping: float | None = None,
+    ) -> tuple[Array, bool]:
+        """The joint step (n,) inside bounds [rad or m], and whether they took a part of it away.
+
+        What a joint at its bound may not do the law does with the others, see `control.saturation`.
+
+        Args:
+            q: joint positions (n,) [rad or m].
+            J: the task Jacobian at q (m,n).
+            error: task error (m,) [m].
+            low: least step of each joint (n,) [rad or m].
+            high: greatest step of each joint (n,) [rad or m].
+            limits: where the bounds are from.
+            damping: for a law that takes it [-], else None.
+        """
+        free, weights, secondary = self._free(q, J, error, damping)
+        short = self._short(free, error)
+        step = limits.brakeable(short)
+        limited = step is not short
+        kept = limits.shorten(step)
+        if kept is step and (step >= low).all() and (step <= high).all():
+            return step, limited
         more = () if damping is None else (damping,)
-        step = self._law(J, error, *more)
+
+        def solve(J: Array, error: Array) -> Array:
+            if weights is None:
+                return self._law(J, error, *more)
+            return weights * self._law(J * weights, error, *more)
+
+        if step is not free:  # the law for an error that asks for this step
+            share = length(step) / max(length(free), length(step), 1e-300)
+            error = share * error
+            secondary = None if secondary is None else share * secondary
+        step = resolve(solve, J, error, step, low, high, shortened=kept, secondary=secondary)
+        return step, True
+
+    def _free(
+        self, q: Array, J: Array, error: Array, damping: float | None
+    ) -> tuple[Array, Array | None, Array | None]:
+        """The step as it comes, the weights of the joints and the motion of the posture in it."""
+        more = () if damping is None else (damping,)
+        step, weights, secondary = self._law(J, error, *more), None, None
         if self._limits is not None and self._limits.near(q):
             weights = np.ones(len(q))
             for _ in range(PASSES):
                 weights = np.minimum(weights, self._limits(q, step))
                 step = weights * self._law(J * weights, error, *more)
         if self._posture is not None:
-            step = step + posture_step(J, self._posture_gain * (self._posture - q))
-        square = step.dot(step)
-        if not isfinite(square):
+            secondary = posture_step(J, self._posture_gain * (self._posture - q))
+            step = step + secondary
+        return step, weights, secondary
+
+    def _short(self, step: Array, error: Array) -> Array:
+        """The step, no longer than the longest, aside where it is dead, zeros if it is not finite."""
+        size = length(step)
+        if size == inf:
             return np.zeros(len(step))
-        if square > self._longest**2:
-            return step * (self._longest / sqrt(square))
-        if square < self._dead * error.dot(error):
-            return step + self._side_step * sqrt(error.dot(error)) * aside(len(step))
+        if size > self._longest:
+            return step * (self._longest / size)
+        if size < self._dead * length(error):
+            aside_too = step + self._side_step * length(error) * aside(len(step))
+            size = length(aside_too)
+            return aside_too * (self._longest / size) if size > self._longest else aside_too
         return step
 
 

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fikm_drake as fd
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.control.safe_step import DEAD, SafeStep, aside
@@ -142,3 +143,44 @@ def test_neighbours_step_aside_against_each_other(size):
     np.testing.assert_array_equal(aside(size)[1:], -aside(size)[:-1])
     with pytest.raises(ValueError, match="read-only"):
         aside(size)[0] = 2.0
+
+
+def limited(safe, J, error, **limits):
+    """The step inside limits from rest, whether they took a part away, and the bounds."""
+    bounds = JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=0.01, **limits)
+    low, high = bounds.step_bounds(Q, Q)
+    return *safe.inside(Q, J, error, low, high, bounds), low, high
+
+
+def test_inside_wide_limits_it_is_the_step_itself():
+    J, error = matrices(6)
+    safe = SafeStep(fd.FuzzyMapping(), longest=0.5, posture=np.ones(7), posture_gain=0.1)
+    step, less, *_ = limited(safe, J, error)
+    np.testing.assert_array_equal(step, safe(Q, J, error))
+    assert not less
+
+
+@pytest.mark.parametrize("law", [fd.FuzzyMapping(), fd.FuzzyMapping(iterations=3)])
+@pytest.mark.parametrize("posture", [None, np.full(7, 0.3)])
+def test_one_slow_joint_does_not_hold_back_the_others(law, posture):
+    """At a hundredth of the speed it needs; the tool still makes most of the law's motion."""
+    speed = np.full(7, 200.0)
+    speed[2] = 0.05
+    safe = SafeStep(law, longest=0.5, posture=posture, posture_gain=0.1)
+    for seed in range(20):
+        J, error = matrices(seed)
+        free = safe(Q, J, error)
+        step, less, low, high = limited(safe, J, error, velocity_limits=speed)
+        assert (low <= step).all() and (step <= high).all()
+        assert less == (abs(free[2]) > high[2])
+        asked = J @ free
+        assert np.linalg.norm(J @ step - asked) < 0.5 * np.linalg.norm(asked)
+
+
+def test_what_can_be_braked_within_its_own_length_counts_as_a_whole():
+    J, error = matrices(7)
+    safe = SafeStep(fd.FuzzyMapping())
+    free = safe(Q, J, error)
+    step, less, low, high = limited(safe, J, error, acceleration_limits=300.0)
+    assert less and (low <= step).all() and (step <= high).all()
+    assert np.abs(step).max() <= np.sqrt(2 * 0.03 * np.abs(free).max())
