@@ -131,7 +131,7 @@ class SafeStep:
             return np.zeros(len(step))
         if size > self._longest:
             return step * (self._longest / size)
-        if size < self._dead * length(error):
+        if self._dead and size < self._dead * length(error):
             aside_too = step + self._side_step * length(error) * aside(len(step))
             size = length(aside_too)
             return aside_too * (self._longest / size) if size > self._longest else aside_too
