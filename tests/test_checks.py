@@ -87,7 +87,7 @@ def test_so_many_finite_numbers():
         ("period", lambda x: fd.LastFinite(3, period=x)),
         ("tolerance", lambda x: fd.StatusMonitor(3, tolerance=x)),
         ("initial_value", lambda x: fd.LowPassFilter(3, period=0.02, initial_value=x)),
-        ("error_limit", lambda x: fd.GainSupervision(error_limit=x)),
+        ("error_limit", lambda x: fd.GainSupervision(3, 7, error_limit=x)),
         ("num_joints", lambda x: fd.CommandSupervision(x)),
         ("damping", lambda x: fd.DampedLeastSquares(x)),
         ("cutoff", lambda x: fd.PseudoInverse(x)),

@@ -1,92 +1,150 @@
-"""The fuzzy gain and the detection of oscillation (Xu & Nechyba 1993, section 2.7)."""
+"""The fuzzy gain and the detection of oscillation (Xu & Nechyba 1993, section 2.7), and the calm."""
 
-from math import inf, isfinite
+from math import inf
 
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_positive
+from fikm_drake.checks import check_not_negative, check_positive
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain_rules
+from fikm_drake.control.motion_windows import Motion, MotionWindows
 from fikm_drake.control.steps import length
 
-MAX_JOINTS = 52
-"""The signs of the joint steps are kept as the bits of an integer in a double."""
-
-CALM, LAST_ERROR, HEAD = 2, 8, 10
-"""Where the memory holds the calm, the last error and step, and where its rings begin."""
-
-LEAST_CALM = 1e-4
+LEAST_CALM = 2e-5
 """The gain is calmed to this fraction at the least, so that it finds back [-]."""
+
+CANCELLED = 0.65
+"""Joints shake if more than this fraction of their path leads nowhere [-]."""
+
+CONSISTENT = 0.4
+"""They run on if less than this fraction does [-]."""
+
+EXPLAINED = 0.3
+"""A target whose own jitter is above this fraction of the error's explains that joints shake [-]."""
 
 STAYS = 0.85
 """An error above this fraction of its mean over the slow window does not fall [-]."""
 
 AWAKE = 0.25
-"""A target that moves brings the gain back to this fraction at once [-]."""
+"""An arm that runs on has at least this fraction of its gain [-]."""
 
 PROGRESS = 0.01
 """The error falls if a cycle takes away this fraction of it, times the calm of the gain [-]."""
 
-TARGET_MOVED = 10.0
-"""An error that changes by more than this times the joint motion was changed by the target [m/rad]."""
+JUMP = 0.05
+"""A target that moves by more than this fraction of the error in a cycle has jumped [-]."""
+
+CHANGES = 2e-3
+"""An error that changes by this fraction of it within the fast window is not flat [-]."""
+
+AT_REST = 1e-4
+"""Nothing moves where the joints' path is on average below this a cycle [rad or m]."""
+
+DAMPED_FIRST = 0.2
+"""A law that takes damping is given all of it before the calm, down here, lowers the gain [-]."""
+
+HUGE = 1e100
+"""Longer errors and steps are not summed: their squares overflow [m, rad]."""
+
+CALMED_BELOW = 0.5
+"""The arm is calmed while the gain is below this fraction of what it would be [-]."""
 
 
 class GainSupervision:
     """Section 2.7 as a law: a gain from the error, its recent average and the signs of the steps.
 
-    What it remembers is a vector that the caller keeps, so that a block's Context can:
+    The gain of Table I needs the last `window` errors and the changes of sign of each joint within the
+    last `window` cycles.
 
-    - the largest number of sign changes of a joint in the window, how many errors are known, the calm of
-      the gain (a factor from 1 down to `LEAST_CALM`), the mean error over about the slow window, the
-      largest number of sign changes in it, how many cycles are known;
-    - the joints whose last motion was positive, and those whose was negative (bit j: joint j);
-    - while the calm may change, the last error and the length of the last joint step;
-    - the last `window` errors, and the joints that changed sign (bits too) between each two of the
-      last `window` cycles, and of the last `slow_window`, as rings.
+    Past the paper the gain is multiplied by the *calm*, a factor from 1 down to `LEAST_CALM`. It
+    shrinks while the joints shake before a target that is out of the tolerance:
 
-    Past the paper: the gain of Table I is multiplied by the calm. It shrinks while a joint oscillates,
-    grows while the error falls and wakes when the target moves; else it stays, so that the arm rests
-    where the error can't be made smaller.
+    - they turn round `sign_changes` times within the fast window, or `slow_sign_changes` times
+      within the slow one while the error stays; a turn counts if the joint's step is no crumb beside the others';
+    - most of their motion in that window leads nowhere;
+    - the target's own jitter does not explain it.
+
+    It grows again within the tolerance, while the error falls, and while the joints run on and the error
+    changes, as behind a target that moves. Else it stays, so that the arm rests where the error can't be made smaller.
+
+    What it remembers is a vector that the caller keeps, so that a block's Context can; its fields have
+    names, see `fields`. As long as no joint has turned round for a slow window nothing is kept but errors
+    and signs.
 
     Until `window` errors are known there is no average to compare with and an error counts as
     medium. An error of exactly zero tells nothing and is not remembered. One that is not finite
-    counts as big and is not remembered either; a joint step that is not finite has no sign.
+    counts as big and is not remembered either; a joint step that is not finite counts as none.
 
     Args:
+        num_rows: m, of the task error.
+        num_joints: n.
         config: the constants.
+        damped: the law takes the damping, which then comes before the gain is lowered.
+        num_coordinates: c, of the target; by default m.
         error_limit: for the gain a longer error counts as this long [m].
+        tolerance: within this an error needs no calm [m].
 
     Raises:
         ValueError: naming the bad value and the valid ones.
     """
 
     def __init__(
-        self, config: GainSupervisorConfig | None = None, *, error_limit: float = inf
+        self,
+        num_rows: int,
+        num_joints: int,
+        config: GainSupervisorConfig | None = None,
+        *,
+        num_coordinates: int | None = None,
+        error_limit: float = inf,
+        tolerance: float = 0.0,
+        damped: bool = False,
     ) -> None:
         config = config or GainSupervisorConfig()
         config.validate()
+        coordinates = num_rows if num_coordinates is None else num_coordinates
         self.rules = gain_rules(config)
-        self._window = config.window
-        self._errors = slice(HEAD, HEAD + config.window)
-        self._flips = slice(self._errors.stop, self._errors.stop + config.window - 1)
-        self._slow_flips = slice(self._flips.stop, self._flips.stop + config.slow_window - 1)
-        self._slow_window = config.slow_window
+        self._windows = MotionWindows(
+            num_rows,
+            num_joints,
+            coordinates,
+            window=config.window,
+            slow_window=config.slow_window,
+        )
+        self.fields = np.dtype(
+            [
+                ("known", "f8"),
+                ("calm", "f8"),
+                ("changes", "f8"),
+                ("watched", "f8"),
+                ("quiet", "f8"),
+                ("joint", "f8"),
+                ("rests", "f8"),
+                ("errors", "f8", (config.window,)),
+                ("signs", "f8", (num_joints,)),
+                ("flips", "f8", (config.window - 1, num_joints)),
+                *self._windows.fields,
+            ]
+        )
+        self._window, self._slow_window = config.window, config.slow_window
         self._threshold, self._slow_threshold = config.sign_changes, config.slow_sign_changes
         self._medium = float(config.error_breakpoints[1])
         self._dead_band = config.dead_band
         self._calming, self._recovery = config.calming, config.recovery
         self._calm_damping = config.calm_damping
         self._error_limit = check_positive("error_limit", error_limit)
+        self._damped_first = DAMPED_FIRST if damped else 1.0
+        self._tolerance = check_not_negative("tolerance", tolerance)
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
-        memory = np.zeros(self._slow_flips.stop)
-        memory[CALM] = 1.0
+        memory = np.zeros(self.fields.itemsize // 8)
+        named = self._named(memory)
+        named["calm"], named["joint"] = 1.0, -1.0
         return memory
 
     def gain(self, memory: Array, error: float) -> float:
         """The gain for an error of length `error` [m]."""
-        changes, known, calm = memory[: CALM + 1].tolist()
+        known, calm, changes = memory[:3].tolist()
         if self._error_limit < error < inf:
             error = self._error_limit
         if not 0.0 < error < inf:
@@ -94,92 +152,137 @@ class GainSupervision:
         elif known + 1 < self._window:
             relative = self._medium
         else:
-            errors = memory[self._errors].tolist()
+            errors = self._named(memory)["errors"].tolist()
             errors[int(known) % self._window] = error  # in place of the oldest
             relative = error * self._window / sum(errors)
-        return calm * self.rules.evaluate(relative, changes)
+        return self._gain_calm(calm) * self.rules.evaluate(relative, changes)
 
     def calm(self, memory: Array) -> float:
         """The factor of the gain: 1, or less after an oscillation."""
-        return float(memory[CALM])
+        return float(self._named(memory)["calm"])
 
     def damping(self, memory: Array) -> float:
         """Damping of the scaled Jacobian, 0 as long as the gain is not calmed [-]."""
-        return self._calm_damping * (1.0 - float(memory[CALM]))
+        calm, first = self.calm(memory), self._damped_first
+        return self._calm_damping * min(1.0, (1.0 - calm) / (1.0 - first if first < 1.0 else 1.0))
 
     def oscillating(self, memory: Array) -> bool:
-        """True while the steps of a joint change sign `sign_changes` times within the window."""
-        return bool(memory[0] >= self._threshold)
+        """True while a joint turns round `sign_changes` times within the window and something moves."""
+        named = self._named(memory)
+        return bool(named["changes"] >= self._threshold and not named["rests"])
 
-    def remember(self, memory: Array, error: float, joint_step: Array) -> None:
-        """Write a cycle with an error of length `error` [m] and these joint steps into `memory`."""
-        changes, known, calm, mean, slow, cycles, *signs = memory[:LAST_ERROR].tolist()
-        was_positive, was_negative = map(int, signs)
-        if 0.0 < error < inf:
-            memory[HEAD + int(known) % self._window] = min(error, self._error_limit)
-            mean += (error - mean) / self._slow_window if known else error
-            known += 1
-        positive = negative = 0
-        bit, dead_band = 1, self._dead_band
-        for step in joint_step.tolist():
-            if dead_band < step < inf:
-                positive |= bit
-            elif -inf < step < -dead_band:
-                negative |= bit
-            bit <<= 1
-        flips = positive & was_negative | negative & was_positive
-        if flips or slow:  # else both rings are empty
-            slot = self._flips.start + int(cycles) % (self._window - 1)
-            if flips or memory[slot]:
-                memory[slot] = flips
-                changes = _most_changes(memory[self._flips].tolist())
-            slot = self._slow_flips.start + int(cycles) % (self._slow_window - 1)
-            if flips or memory[slot]:
-                memory[slot] = flips
-                slow = _most_changes(memory[self._slow_flips].tolist())
-        shakes = changes >= self._threshold or slow >= self._slow_threshold
-        if (shakes or calm < 1.0) and error < inf:
-            if calm < 1.0 and _target_moved(memory, error):
-                memory[self._flips.start :] = changes = slow = 0  # what was seen holds no more
-                calm = max(calm, AWAKE)
-            else:
-                stays = slow >= self._slow_threshold and self._stays(memory, error, mean)
-                oscillates = changes >= self._threshold or stays
-                calm = self._next_calm(memory, oscillates, calm, error)
-            motion = length(joint_step)
-            memory[LAST_ERROR:HEAD] = error, motion if isfinite(motion) else 0.0
-        memory[:LAST_ERROR] = (
-            changes,
-            known,
-            calm,
-            mean,
-            slow,
-            cycles + 1,
-            positive | was_positive & ~negative,
-            negative | was_negative & ~positive,
-        )
+    def oscillating_joint(self, memory: Array) -> int:
+        """The joint that oscillates, or did so before the gain was calmed; −1: none."""
+        return int(self._named(memory)["joint"])
 
-    def _stays(self, memory: Array, error: float, mean: float) -> bool:
-        """True if the error neither falls nor shakes, as behind a target that shakes."""
-        errors = memory[self._errors].tolist()
-        return error > STAYS * mean and min(errors) > 0.5 * max(errors)
+    def calmed(self, memory: Array) -> bool:
+        """True while the arm rests because the gain is calmed: the target can't be approached."""
+        named = self._named(memory)
+        return bool(named["calm"] < CALMED_BELOW and named["rests"])
 
-    def _next_calm(self, memory: Array, oscillates: bool, calm: float, error: float) -> float:
-        if oscillates:
+    def remember(self, memory: Array, error: Array, joint_step: Array, target: Array) -> None:
+        """Write a cycle into `memory`.
+
+        Args:
+            memory: what is changed.
+            error: the task error (m,) [m].
+            joint_step: (n,) [rad or m].
+            target: its coordinates (c,), two of which are as far apart as the target moves [m].
+        """
+        named = self._named(memory)
+        size = length(error)
+        if 0.0 < size < inf:
+            known = int(named["known"])
+            named["errors"][known % self._window] = min(size, self._error_limit)
+            named["known"] = known + 1
+        square = joint_step.dot(joint_step)
+        if not square < HUGE**2:
+            joint_step = np.where(np.abs(joint_step) < HUGE, joint_step, 0.0)
+            square = joint_step.dot(joint_step)
+        flips = None
+        if square > self._dead_band**2:
+            signs, last = np.sign(joint_step), named["signs"]
+            if not signs.dot(last) == signs.dot(signs):
+                moves = np.abs(joint_step) > self._dead_band
+                flips = moves & (signs * last < 0.0)
+                np.copyto(last, signs, where=moves)
+                if not flips.any():
+                    flips = None
+        if flips is None and not named["watched"]:
+            return
+        if not named["watched"]:
+            named["watched"], named["quiet"], named["flips"] = 1.0, 0.0, 0.0
+            self._windows.start(named)
+        if not (
+            0.0 < size < HUGE and target.dot(target) < HUGE**2
+        ):  # goes on from the last that was
+            error, target = named["last_error"], named["last_target"]
+            size = float(named["last_size"])
+        self._watch(named, size, error, joint_step, target, square**0.5, flips)
+
+    def _gain_calm(self, calm: float) -> float:
+        return min(1.0, calm / self._damped_first)
+
+    def _named(self, memory: Array) -> np.void:
+        """The memory by its fields' names; what is written there is written to the memory."""
+        return memory.view(self.fields)[0]
+
+    def _watch(
+        self,
+        named: np.void,
+        size: float,
+        error: Array,
+        step: Array,
+        target: Array,
+        step_length: float,
+        flips: Array | None,
+    ) -> None:
+        """A cycle of an arm of which a joint turned round of late, or that is calmed."""
+        ring = named["flips"]
+        ring[int(named["cycles"]) % len(ring)] = 0.0 if flips is None else flips
+        named["changes"] = np.add.reduce(ring).max()
+        shift = self._windows.add(named, size, error, target, step, step_length, flips)
+        fast, slow = self._windows.motions(named)
+        calm = float(named["calm"])
+        if shift > JUMP * size and calm < 1.0:
+            calm = max(AWAKE, calm)
+            self._windows.start(named)  # what was seen holds no more
+        else:
+            calm = self._next_calm(calm, size, fast, slow, named)
+        named["calm"] = calm
+        named["rests"] = fast.path_step < AT_REST * (self._window - 1)
+        quiet = float(named["quiet"]) + 1.0 if flips is None else 0.0
+        named["quiet"] = quiet
+        if quiet >= self._slow_window and calm == 1.0:
+            named["watched"], named["changes"], named["joint"] = 0.0, 0.0, -1.0
+
+    def _next_calm(
+        self, calm: float, size: float, fast: Motion, slow: Motion, named: np.void
+    ) -> float:
+        if size <= self._tolerance:
+            return min(1.0, calm * self._recovery)
+        shakes = fast.changes >= self._threshold and _to_and_fro(fast)
+        if shakes:
+            named["joint"] = fast.joint
+        elif slow.changes >= self._slow_threshold and _to_and_fro(slow):
+            shakes = size > STAYS * slow.mean_error
+            if shakes:
+                named["joint"] = slow.joint
+        if shakes:
             return max(LEAST_CALM, calm * self._calming)
-        last_error = float(memory[LAST_ERROR])
-        falls = last_error - error > PROGRESS * calm * last_error
-        return min(1.0, calm * self._recovery) if falls else calm
+        if calm == 1.0:
+            return calm
+        cycles = self._window - 1
+        falls = fast.fall > max(PROGRESS * calm * cycles * size, 0.6 * fast.rough)
+        runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
+        if falls or runs and abs(fast.fall) > CHANGES * size:
+            return min(1.0, max(AWAKE, calm) * self._recovery)
+        return calm
 
 
-def _target_moved(memory: Array, error: float) -> bool:
-    """True if the error changed by more than the joints can have changed it."""
-    last_error, last_step = memory[LAST_ERROR:HEAD].tolist()
-    return bool(abs(error - last_error) > TARGET_MOVED * last_step)
-
-
-def _most_changes(flips: list[float]) -> int:
-    """The largest number of changes of one joint; bit j of each number is joint j's change."""
-    changed = [int(f) for f in flips if f]
-    joints = max(changed, default=0).bit_length()
-    return max((sum(f >> j & 1 for f in changed) for j in range(joints)), default=0)
+def _to_and_fro(motion: Motion) -> bool:
+    """True if joints shake and not because the target does."""
+    jitter = motion.path_target - motion.net_target
+    return motion.cancelled > CANCELLED and not (
+        jitter > EXPLAINED * (motion.path_error - motion.net_error)
+    )

@@ -4,9 +4,6 @@ from enum import IntEnum
 
 from fikm_drake.control.restart_search import RestartState
 
-CALMED_BELOW = 0.5
-"""The arm is calmed while the gain is below this fraction of what it would be [-]."""
-
 
 class ControllerStatus(IntEnum):
     """Value of a controller's `status` port; the first that holds, in the order of `controller_status`."""
@@ -22,7 +19,7 @@ class ControllerStatus(IntEnum):
     TRACKING = 4
     """None of these: the arm follows."""
     CALMED = 5
-    """The supervisor has calmed the arm after an oscillation: the target can't be approached further."""
+    """The arm rests, calmed after an oscillation: the target can't be approached further."""
     RESTART_SEARCH = 6
     """The arm searches for another posture, or moves to it (`FuzzyIkConfig.restart_search`)."""
     STUCK = 7
@@ -36,7 +33,7 @@ def controller_status(
     tolerance: float,
     limited: bool,
     oscillating: bool,
-    calm: float = 1.0,
+    calmed: bool = False,
     restart_search: float = RestartState.NONE,
 ) -> ControllerStatus:
     """The status of a cycle.
@@ -47,7 +44,7 @@ def controller_status(
         tolerance: within this the target counts as reached [m].
         limited: a joint limit cuts the joint step.
         oscillating: the supervisor sees a joint oscillate.
-        calm: the supervisor's factor of the gain [-].
+        calmed: the supervisor has calmed the arm and it rests.
         restart_search: what the restart search does, a `RestartState`.
     """
     if not valid:
@@ -60,6 +57,6 @@ def controller_status(
         return ControllerStatus.RESTART_SEARCH
     if oscillating:
         return ControllerStatus.OSCILLATING
-    if calm < CALMED_BELOW:
+    if calmed:
         return ControllerStatus.CALMED
     return ControllerStatus.LIMITED if limited else ControllerStatus.TRACKING

@@ -33,6 +33,7 @@ class FuzzyIkController(Diagram):
         - task_error
         - gain
         - oscillating
+        - oscillating_joint
         - status
 
     - **desired_position** (m) [m]: target of the tool's origin, in the world frame. For tasks with
@@ -45,6 +46,7 @@ class FuzzyIkController(Diagram):
     - **task_error** (m) [m]: desired minus actual, in the world frame; see `TaskError`.
     - **gain** (1) [-]: K of Table I, before its filter.
     - **oscillating** (1): 1 while a joint oscillates, else 0.
+    - **oscillating_joint** (1): the joint that oscillates, or did before the arm was calmed; −1: none.
     - **status** (1): a `ControllerStatus`.
 
     While an input is not finite the status says so, the task error reads zero and the command
@@ -73,7 +75,16 @@ class FuzzyIkController(Diagram):
         error = add("task_error", TaskError(plant, frame=config.frame, task=task))
         supervisor = add(
             "gain_supervisor",
-            GainSupervisor(m, n, period=period, config=config.supervisor, error_limit=limit),
+            GainSupervisor(
+                m,
+                n,
+                period=period,
+                config=config.supervisor,
+                num_coordinates=error.num_coordinates,
+                error_limit=limit,
+                tolerance=config.tolerance,
+                damped=takes_damping(law),
+            ),
         )
         gain_filter = add(
             "gain_filter",
@@ -120,6 +131,7 @@ class FuzzyIkController(Diagram):
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(port))
 
         wire(error, "task_error", supervisor, "task_error")
+        wire(error, "target", supervisor, "target")
         wire(error, "task_error", gain, "task_error")
         wire(supervisor, "gain", gain_filter, "u0")
         wire(gain_filter, "y0", gain, "gain")
@@ -135,13 +147,13 @@ class FuzzyIkController(Diagram):
             )
             wire(ik, "joint_step", source, "law_step")
             wire(source, "restart_search", status, "restart_search")
-        wire(source, "joint_step", supervisor, "joint_step")
+        wire(integrator, "motion", supervisor, "joint_step")
         wire(source, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
         wire(error, "valid", status, "valid")
         wire(integrator, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
-        wire(supervisor, "calm", status, "calm")
+        wire(supervisor, "calmed", status, "calmed")
 
         desired = error.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
@@ -162,6 +174,7 @@ class FuzzyIkController(Diagram):
             (error, "task_error", "task_error"),
             (supervisor, "gain", "gain"),
             (supervisor, "oscillating", "oscillating"),
+            (supervisor, "oscillating_joint", "oscillating_joint"),
             (status, "status", "status"),
         ):
             builder.ExportOutput(block.GetOutputPort(port), name)

@@ -37,6 +37,7 @@ class FuzzyIkTorqueController(Diagram):
         - task_error
         - gain
         - oscillating
+        - oscillating_joint
         - status
         - valid
 

@@ -108,7 +108,7 @@ class FuzzyMapping:
     @property
     def takes_damping(self) -> bool:
         """Whether `step` makes use of a damping."""
-        return self.iterations > 1
+        return self.method == "indirect"
 
     def __call__(self, J: ArrayLike, dr: ArrayLike, damping: float = 0.0) -> Array:
         """The joint step of one control cycle.
@@ -116,7 +116,8 @@ class FuzzyMapping:
         Args:
             J: Jacobian (…,m,n).
             dr: task error (…,m) in the units of the rows of J.
-            damping: more damping of S, such as the supervisor's, with `iterations` of 2 or more [-].
+            damping: more damping of S, such as the supervisor's; with one iteration, which has none,
+                it is a floor of the row sums, and `direct` does without [-].
 
         Returns:
             (…,n) [rad or m].
@@ -126,7 +127,8 @@ class FuzzyMapping:
         """
         J, dr = as_arrays(J, dr)
         A = np.abs(J)
-        rows = self._reciprocal(A.sum(-1), self.row_floor)
+        floor = hypot(self.row_floor, damping) if self.iterations == 1 else self.row_floor
+        rows = self._reciprocal(A.sum(-1), floor)
         columns = self._reciprocal(A.sum(-2), self.column_floor)
         if self.method == "direct":
             pushes = rows[..., None, :] @ (A * A * self._infer(dr, J))
@@ -151,11 +153,12 @@ class FuzzyMapping:
         A = np.abs(J)
         m, n = A.shape
         rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
-        if self._plain:
+        if self._plain and not damping:
             sums = rows.tolist() + columns.tolist()
             if min(sums) > self.zero_threshold * max(sums):  # no sum is zero
                 return (dr / rows).dot(J) / columns
-        rows = self._divisors(rows, self.row_floor)
+        floor = hypot(self.row_floor, damping) if self.iterations == 1 else self.row_floor
+        rows = self._divisors(rows, floor)
         columns = self._divisors(columns, self.column_floor)
         if self.iterations == 1:
             return (dr / rows).dot(J) / columns

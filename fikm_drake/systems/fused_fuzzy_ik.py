@@ -57,6 +57,7 @@ class FusedFuzzyIk(LeafSystem):
         - task_error
         - gain
         - oscillating
+        - oscillating_joint
         - status
 
     The ports are those of `FuzzyIkController`, described there; `estimated_position` exists with
@@ -84,7 +85,15 @@ class FusedFuzzyIk(LeafSystem):
         kinematics = self._kinematics
         self._damped = takes_damping(law)
         self._safe_step = make_safe_step(kinematics, law, **config.step_options())
-        self._supervision = GainSupervision(config.supervisor, error_limit=config.error_limit)
+        self._supervision = GainSupervision(
+            kinematics.task.size,
+            kinematics.num_joints,
+            config.supervisor,
+            num_coordinates=kinematics.num_coordinates,
+            error_limit=config.error_limit,
+            tolerance=config.tolerance,
+            damped=self._damped,
+        )
         self._limits = JointLimits(
             kinematics.lower, kinematics.upper, period=config.period, **config.rates(kinematics)
         )
@@ -117,6 +126,9 @@ class FusedFuzzyIk(LeafSystem):
         self._declare_output("gain", 1, lambda cycle, _: cycle.gain)
         self.DeclareVectorOutputPort(
             "oscillating", 1, self._calc_oscillating, prerequisites_of_calc={self.xd_ticket()}
+        )
+        self.DeclareVectorOutputPort(
+            "oscillating_joint", 1, self._calc_joint, prerequisites_of_calc={self.xd_ticket()}
         )
         self._declare_output("status", 1, self._status)
         self.DeclarePeriodicDiscreteUpdateEvent(config.period, 0.0, self._update)
@@ -173,6 +185,10 @@ class FusedFuzzyIk(LeafSystem):
         memory = context.get_discrete_state(3).value()
         output[0] = self._supervision.oscillating(memory)
 
+    def _calc_joint(self, context: Context, output: BasicVector) -> None:
+        memory = context.get_discrete_state(3).value()
+        output[0] = self._supervision.oscillating_joint(memory)
+
     def _status(self, cycle: _Cycle, states: list[Array]) -> float:
         command, velocity, _, memory = states[:4]
         return controller_status(
@@ -181,7 +197,7 @@ class FusedFuzzyIk(LeafSystem):
             tolerance=self._config.tolerance,
             limited=self._limits.limits(command, cycle.joint_step, velocity),
             oscillating=self._supervision.oscillating(memory),
-            calm=self._supervision.calm(memory),
+            calmed=self._supervision.calmed(memory),
             restart_search=self._restart.state(states[4]) if self._restart else RestartState.NONE,
         )
 
@@ -197,7 +213,9 @@ class FusedFuzzyIk(LeafSystem):
         elif self._restart:
             states[4][:] = self._restart.initial_memory()
         after = self._limits.integrate(command, cycle.joint_step, velocity)
-        velocity[:] = (after - command) * self._config.control_rate
+        motion = after - command
+        velocity[:] = motion * self._config.control_rate
         command[:] = after
         filters[0], filters[1:] = cycle.filtered_gain, cycle.filtered_error
-        self._supervision.remember(memory, cycle.error_length, cycle.joint_step)
+        target = self._kinematics.target_coordinates(self._desired(context))
+        self._supervision.remember(memory, cycle.error, motion, target)

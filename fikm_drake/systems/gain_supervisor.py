@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from math import inf
 
+import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts, check_period
-from fikm_drake.control.gain_supervision import MAX_JOINTS, GainSupervision
+from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.steps import length
 from fikm_drake.systems.valid_port import declare_valid_port
@@ -22,21 +23,28 @@ class GainSupervisor(LeafSystem):
         input_ports:
         - task_error
         - joint_step
+        - target
         output_ports:
         - gain
         - oscillating
+        - oscillating_joint
         - calm
+        - calmed
         - damping
         - valid
 
-    - **task_error** (m) [m]: the error of this cycle; only its length counts.
-    - **joint_step** (n) [rad or m]: the joint step of this cycle; it enters the state at the cycle's
+    - **task_error** (m) [m]: the error of this cycle.
+    - **joint_step** (n) [rad or m]: the joint step of this cycle as it is done, less what limits take away; it enters the state at the cycle's
       end, so `gain` does not feed through from it.
+    - **target** (c) [m]: coordinates of the target, as `TaskError` has them, so that the block knows what
+      of the error's jitter is the target's; unconnected it counts as a target that rests.
     - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the
       sign changes of the last joint steps; that of a big error while `task_error` is not finite.
       Multiplied by `calm`.
-    - **oscillating** (1): 1 while the steps of a joint change sign too often, else 0.
+    - **oscillating** (1): 1 while the steps of a joint change sign too often and are not tiny, else 0.
+    - **oscillating_joint** (1): the joint that oscillates, or did before the arm was calmed; −1: none.
     - **calm** (1) [-]: factor of the gain, 1 until a joint oscillates, see `GainSupervision`.
+    - **calmed** (1): 1 while the arm rests because the gain is calmed, else 0.
     - **damping** (1) [-]: for a law that takes it, 0 while `calm` is 1.
     - **valid** (1): 1 while every input is finite, else 0. What is not finite is not remembered.
 
@@ -45,7 +53,10 @@ class GainSupervisor(LeafSystem):
         num_joints: n.
         period: of the control cycle [s].
         config: the constants of section 2.7.
+        num_coordinates: c; by default m.
         error_limit: a longer error counts as this long [m].
+        tolerance: within this an error needs no calm [m].
+        damped: the law takes the damping, which then comes before the gain.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -58,15 +69,26 @@ class GainSupervisor(LeafSystem):
         *,
         period: float,
         config: GainSupervisorConfig | None = None,
+        num_coordinates: int | None = None,
         error_limit: float = inf,
+        tolerance: float = 0.0,
+        damped: bool = False,
     ) -> None:
         super().__init__()
         check_counts(num_rows=num_rows, num_joints=num_joints)
-        if num_joints > MAX_JOINTS:
-            raise ValueError(f"num_joints must be at most {MAX_JOINTS}, got {num_joints}")
-        self._supervision = GainSupervision(config, error_limit=error_limit)
+        num_coordinates = num_rows if num_coordinates is None else num_coordinates
+        self._supervision = GainSupervision(
+            num_rows,
+            num_joints,
+            config,
+            num_coordinates=num_coordinates,
+            error_limit=error_limit,
+            tolerance=tolerance,
+            damped=damped,
+        )
         error = self.DeclareVectorInputPort("task_error", num_rows)
         step = self.DeclareVectorInputPort("joint_step", num_joints)
+        self._target = self.DeclareVectorInputPort("target", num_coordinates)
         self._error, self._step = error.Eval, step.Eval
         self.DeclareDiscreteState(self._supervision.initial_memory())
         self.DeclareVectorOutputPort(
@@ -77,9 +99,12 @@ class GainSupervisor(LeafSystem):
         )
         supervision = self._supervision
         self._declare("oscillating", supervision.oscillating)
+        self._declare("oscillating_joint", supervision.oscillating_joint)
         self._declare("calm", supervision.calm)
+        self._declare("calmed", supervision.calmed)
         self._declare("damping", supervision.damping)
         declare_valid_port(self)
+        self._unknown = np.zeros(num_coordinates)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 
     def _calc_gain(self, context: Context, output: BasicVector) -> None:
@@ -96,4 +121,6 @@ class GainSupervisor(LeafSystem):
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
-        self._supervision.remember(memory, length(self._error(context)), self._step(context))
+        port = self._target
+        target = port.Eval(context) if port.HasValue(context) else self._unknown
+        self._supervision.remember(memory, self._error(context), self._step(context), target)

@@ -26,6 +26,7 @@ class JointIntegrator(LeafSystem):
         - velocity
         - valid
         - limited
+        - motion
 
     - **joint_step** (n) [rad or m]: of this cycle.
     - **position** (n) [rad or m]: the command, from the state.
@@ -33,6 +34,7 @@ class JointIntegrator(LeafSystem):
     - **valid** (1): 1 while the input is finite, else 0. An input that is not finite counts as zeros.
     - **limited** (1): 1 while a limit of position, speed or acceleration takes away a part of
       `joint_step`, else 0.
+    - **motion** (n) [rad or m]: what of `joint_step` is done, by which the command changes in this cycle.
 
     Args:
         lower: lower limits (n,) [rad or m]; −inf for none.
@@ -82,6 +84,12 @@ class JointIntegrator(LeafSystem):
             self._calc_limited,
             prerequisites_of_calc={step.ticket(), self.xd_ticket()},
         )
+        self.DeclareVectorOutputPort(
+            "motion",
+            n,
+            self._calc_motion,
+            prerequisites_of_calc={step.ticket(), self.xd_ticket()},
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
@@ -98,13 +106,20 @@ class JointIntegrator(LeafSystem):
         step = self._step(context)
         output[0] = all_finite(step) and self._limits.limits(q, step, velocity)
 
-    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
+    def _after(self, context: Context, position: Array, velocity: Array) -> Array:
         step = self._step(context)
         if not all_finite(step):
             step = np.zeros_like(step)
+        return self._limits.integrate(position, step, velocity)
+
+    def _calc_motion(self, context: Context, output: BasicVector) -> None:
+        q, velocity = (context.get_discrete_state(i).value() for i in (0, 1))
+        output.set_value(self._after(context, q, velocity) - q)
+
+    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         position = discrete_state.get_mutable_value(0)  # holds q until it is written
         velocity = discrete_state.get_mutable_value(1)
-        after = self._limits.integrate(position, step, velocity)
+        after = self._after(context, position, velocity)
         velocity[:] = (after - position) * self._rate
         position[:] = after
 

@@ -21,14 +21,13 @@ class StatusMonitor(LeafSystem):
         - valid
         - limited
         - oscillating
-        - calm
+        - calmed
         - restart_search
         output_ports:
         - status
 
     - **task_error** (m) [m].
-    - **valid**, **limited**, **oscillating** (1 each): 0 or 1, from the blocks' ports of these names.
-    - **calm** (1) [-]: of `GainSupervisor`.
+    - **valid**, **limited**, **oscillating**, **calmed** (1 each): 0 or 1, from the blocks' ports of these names.
     - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
@@ -53,7 +52,7 @@ class StatusMonitor(LeafSystem):
                 "valid",
                 "limited",
                 "oscillating",
-                "calm",
+                "calmed",
                 *["restart_search"] * restart_search,
             )
         ]
@@ -66,7 +65,7 @@ class StatusMonitor(LeafSystem):
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         flags = [float(port.Eval(context)[0]) for port in self._flags]
-        valid, limited, oscillating, calm = flags[:4]
+        valid, limited, oscillating, calmed = flags[:4]
         error = length(self._error.Eval(context))
         output[0] = controller_status(
             valid=bool(valid) and isfinite(sum(flags) + error),
@@ -74,6 +73,6 @@ class StatusMonitor(LeafSystem):
             tolerance=self._tolerance,
             limited=bool(limited),
             oscillating=bool(oscillating),
-            calm=calm,
+            calmed=bool(calmed),
             restart_search=flags[4] if flags[4:] else RestartState.NONE,
         )

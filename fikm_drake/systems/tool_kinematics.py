@@ -83,6 +83,15 @@ class ToolKinematics:
         """Declare the input port for a target: a position (m) [m]."""
         return system.DeclareVectorInputPort(name, self.task.size)
 
+    @property
+    def num_coordinates(self) -> int:
+        """The number of a target's coordinates, c."""
+        return self.task.size
+
+    def target_coordinates(self, desired: Any) -> Array:
+        """A target's coordinates (c,): two targets are as far apart as theirs are [m]."""
+        return desired
+
     def is_finite(self, desired: Any) -> bool:
         """True if no number of a target is NaN or infinite."""
         return all_finite(desired)

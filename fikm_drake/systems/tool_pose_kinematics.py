@@ -29,10 +29,22 @@ class ToolPoseKinematics(ToolKinematics):
         self._size = task.size
         self._length = task.characteristic_length
         self._scale = np.array([self._length] * 3 + [1.0] * (task.size - 3))
+        # A turn by φ changes the rotation matrix by 2√2 sin(φ/2), in the Frobenius norm.
+        self._coordinates = np.array([self._length / np.sqrt(2.0)] * 3 + [1.0] * (task.size > 3))
 
     def declare_desired(self, system: LeafSystem, name: str = "desired_pose") -> InputPort:
         """Declare the input port for a target: a RigidTransform X_WE."""
         return system.DeclareAbstractInputPort(name, Value(RigidTransform()))
+
+    @property
+    def num_coordinates(self) -> int:
+        """Those of the rotation matrix and, if it counts, of the position."""
+        return 3 * len(self._coordinates)
+
+    def target_coordinates(self, desired: RigidTransform) -> Array:
+        """The numbers of a pose (c,) in metres: for small turns as far apart as the error is long."""
+        columns = len(self._coordinates)
+        return (desired.GetAsMatrix34()[:, :columns] * self._coordinates).ravel()
 
     def is_finite(self, desired: RigidTransform) -> bool:
         """True if no number of a target is NaN or infinite."""

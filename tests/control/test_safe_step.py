@@ -75,7 +75,7 @@ def test_dampings_add_up_as_squares():
     both = fd.FuzzyMapping(iterations=3, damping=0.3)(J, error, 0.4)
     np.testing.assert_allclose(both, fd.FuzzyMapping(iterations=3, damping=0.5)(J, error))
     assert fd.FuzzyMapping(iterations=2).takes_damping
-    assert not fd.FuzzyMapping().takes_damping
+    assert fd.FuzzyMapping().takes_damping and not fd.FuzzyMapping("direct").takes_damping
 
 
 def test_a_posture_is_added_before_the_length_counts():

@@ -39,11 +39,11 @@ def test_counts_like_plain_counting(series, window):
 def test_the_largest_count_is_that_of_gain_supervision(series):
     """Section 2.7 counts alike, over all joints at once."""
     config = GainSupervisorConfig(dead_band=0.1)
-    supervision = GainSupervision(config)
+    supervision = GainSupervision(1, len(series[0]), config)
     changes = SignChanges(len(series[0]), window=config.window, dead_band=config.dead_band)
     theirs, ours = supervision.initial_memory(), changes.initial_memory()
     for vector in series:
-        supervision.remember(theirs, 0.0, np.array(vector))
+        supervision.remember(theirs, np.zeros(1), np.array(vector), np.zeros(1))
         changes.remember(ours, np.array(vector))
         largest = changes.count(ours).max()
         assert supervision.oscillating(theirs) == (largest >= config.sign_changes)

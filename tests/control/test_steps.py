@@ -65,7 +65,7 @@ def test_status_is_the_first_that_holds():
         tolerance=1e-3,
         limited=True,
         oscillating=True,
-        calm=0.4,
+        calmed=True,
         restart_search=RestartState.UNDERWAY,
     )
     changes = [
@@ -73,7 +73,7 @@ def test_status_is_the_first_that_holds():
         {"error": 1.0},
         {"restart_search": RestartState.NONE},
         {"oscillating": False},
-        {"calm": 0.5},
+        {"calmed": False},
         {"limited": False},
         {},
     ]

@@ -17,6 +17,7 @@ OUTPUTS = {
     "task_error": 3,
     "gain": 1,
     "oscillating": 1,
+    "oscillating_joint": 1,
     "status": 1,
 }
 Q0 = np.array([0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1])

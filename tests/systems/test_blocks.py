@@ -45,10 +45,21 @@ MAKERS = {
 }
 
 PORTS = {
-    "TaskError": ({"desired_position": 3, "position": 7}, {"task_error": 3, "valid": 1}),
+    "TaskError": (
+        {"desired_position": 3, "position": 7},
+        {"task_error": 3, "target": 3, "valid": 1},
+    ),
     "GainSupervisor": (
-        {"task_error": 3, "joint_step": 7},
-        {"gain": 1, "oscillating": 1, "calm": 1, "damping": 1, "valid": 1},
+        {"task_error": 3, "joint_step": 7, "target": 3},
+        {
+            "gain": 1,
+            "oscillating": 1,
+            "oscillating_joint": 1,
+            "calm": 1,
+            "calmed": 1,
+            "damping": 1,
+            "valid": 1,
+        },
     ),
     "VariableGain": ({"gain": 1, "task_error": 3}, {"amplified_error": 3, "valid": 1}),
     "LowPassFilter": ({"u0": 3}, {"y0": 3}),
@@ -62,7 +73,7 @@ PORTS = {
     ),
     "JointIntegrator": (
         {"joint_step": 7},
-        {"position": 7, "velocity": 7, "valid": 1, "limited": 1},
+        {"position": 7, "velocity": 7, "valid": 1, "limited": 1, "motion": 7},
     ),
     "StatusMonitor": (
         {
@@ -70,7 +81,7 @@ PORTS = {
             "valid": 1,
             "limited": 1,
             "oscillating": 1,
-            "calm": 1,
+            "calmed": 1,
             "restart_search": 1,
         },
         {"status": 1},
@@ -93,6 +104,7 @@ PORTS = {
             "task_error": 3,
             "gain": 1,
             "oscillating": 1,
+            "oscillating_joint": 1,
             "status": 1,
         },
     ),
@@ -100,8 +112,13 @@ PORTS = {
 
 # Outputs that do not feed through from an input; all others do.
 STATE_ONLY = {
-    "GainSupervisor": {("joint_step", "gain")}
-    | {(i, o) for i in ("task_error", "joint_step") for o in ("oscillating", "calm", "damping")},
+    "TaskError": {("position", "target")},
+    "GainSupervisor": {("joint_step", "gain"), ("target", "gain")}
+    | {
+        (i, o)
+        for i in ("task_error", "joint_step", "target")
+        for o in ("oscillating", "oscillating_joint", "calm", "calmed", "damping")
+    },
     "RestartPlanner": {(i, "restart_search") for i in ("desired_position", "position", "law_step")},
     "JointIntegrator": {("joint_step", "position"), ("joint_step", "velocity")},
     "CommandSupervisor": {
@@ -115,11 +132,11 @@ STATE_ONLY = {
     "FusedFuzzyIk": {
         (i, o)
         for i in ("desired_position", "estimated_position")
-        for o in ("commanded_position", "commanded_velocity", "oscillating")
+        for o in ("commanded_position", "commanded_velocity", "oscillating", "oscillating_joint")
     },
 }
 
-FLAGS = ("limited", "oscillating", "calm", "restart_search", "valid")
+FLAGS = ("limited", "oscillating", "calmed", "restart_search", "valid")
 """Inputs of which only a threshold counts, or a few numbers."""
 
 # The filter is Drake's; it keeps what is fed to it, as its docstring says.
@@ -133,7 +150,8 @@ GOOD = {
     "joint_step": 0.01 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
     "law_step": 0.01 * np.array([1.0, -1, 1, -1, 1, -1, 1]),
     "gain": np.ones(1),
-    "calm": np.ones(1),
+    "calmed": np.zeros(1),
+    "target": np.array([0.3, -0.5, 0.5]),
     "damping": 0.1 * np.ones(1),
     "restart_search": np.zeros(1),
     "guard": np.zeros(3),
@@ -339,7 +357,6 @@ def test_sizes_may_be_of_numpy(ports):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda p: fd.GainSupervisor(3, 53, period=PERIOD), ["num_joints", "52", "53"]),
         (lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=-1.0), ["error_limit", "-1"]),
         (
             lambda p: fd.GainSupervisor(3, 7, period=PERIOD, error_limit=np.nan),
@@ -358,7 +375,10 @@ def test_sizes_may_be_of_numpy(ports):
             lambda p: fd.LowPassFilter(3, period=PERIOD, initial_value=np.nan),
             ["initial_value", "nan"],
         ),
-        (lambda p: fd.DifferentialIk(p, damped=True), ["damped", "law", "FuzzyMapping"]),
+        (
+            lambda p: fd.DifferentialIk(p, law=fd.JacobianTranspose(), damped=True),
+            ["damped", "law"],
+        ),
         (lambda p: fd.DifferentialIk(p, max_joint_step=0.0), ["max_joint_step", "0.0", "positive"]),
         (
             lambda p: fd.DifferentialIk(p, singularity_nudge=-0.1),

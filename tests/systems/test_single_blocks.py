@@ -12,7 +12,6 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource, LinearSystem, LogVectorOutput, Sine
 
 import fikm_drake as fd
-from fikm_drake.control.gain_supervision import HEAD
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.status import ControllerStatus, controller_status
 from fikm_drake.control.steps import amplify
@@ -168,29 +167,34 @@ def test_status_monitor(drive, flags, restart_search):
     state = {} if restart_search is None else {"restart_search": restart_search}
     inputs = {name: [float(value)] for name, value in (names | state).items()}
     flags = {name: bool(flag) for name, flag in names.items()} | state
-    for calm, error in itertools.product([1.0, 0.1], [0.0, 1e-3, 1.1e-3, 2.0]):
-        status = driver.cycle(task_error=[0.0, -error], calm=[calm], **inputs)["status"]
-        assert status == controller_status(error=error, tolerance=1e-3, calm=calm, **flags)
+    for calmed, error in itertools.product([0.0, 1.0], [0.0, 1e-3, 1.1e-3, 2.0]):
+        status = driver.cycle(task_error=[0.0, -error], calmed=[calmed], **inputs)["status"]
+        assert status == controller_status(
+            error=error, tolerance=1e-3, calmed=bool(calmed), **flags
+        )
         assert ControllerStatus(int(status[0])) in ControllerStatus
 
 
 def test_gain_supervisor_is_the_law(drive):
     rng = np.random.default_rng(3)
-    law = fd.GainSupervision(error_limit=0.2)
+    law = fd.GainSupervision(3, 7, error_limit=0.2)
     memory = law.initial_memory()
     driver = drive(fd.GainSupervisor(3, 7, period=0.02, error_limit=0.2))
     calms = set()
     for _ in range(300):
         error = 10.0 ** rng.uniform(-4, 0) * rng.normal(size=3)
         step = rng.normal(size=7) * (rng.random(7) < 0.9)
-        outputs = driver.cycle(task_error=error, joint_step=step)
+        target = 1e-6 * rng.normal(size=3)
+        outputs = driver.cycle(task_error=error, joint_step=step, target=target)
         size = np.linalg.norm(error)
         assert outputs["gain"] == pytest.approx(law.gain(memory, size), rel=1e-12)
         assert outputs["oscillating"] == law.oscillating(memory)
+        assert outputs["oscillating_joint"] == law.oscillating_joint(memory)
         assert outputs["calm"] == law.calm(memory)
+        assert outputs["calmed"] == law.calmed(memory)
         assert outputs["damping"] == law.damping(memory)
         calms.add(law.calm(memory))
-        law.remember(memory, size, step)
+        law.remember(memory, error, step, target)
     assert len(calms) > 10
 
 
@@ -207,7 +211,8 @@ def test_gain_supervisor_forgets_what_is_not_finite(drive):
             assert outputs["gain"] in (0.8, 0.03)  # that of a big error
         # Cycles without a motion age the sign changes: only the errors are compared.
         known = disturbed.cycle(**good)["gain"], expected.cycle(**good)["gain"]
-        errors = [driver.state()[0][HEAD : HEAD + 10] for driver in (disturbed, expected)]
+        fields = fd.GainSupervision(3, 2).fields
+        errors = [d.state()[0].copy().view(fields)["errors"] for d in (disturbed, expected)]
         np.testing.assert_array_equal(errors[0], errors[1])
         assert all(np.isfinite(known))
 
