@@ -60,12 +60,13 @@ class GainSupervision:
     shrinks while the joints shake before a target that is out of the tolerance:
 
     - they turn round `sign_changes` times within the fast window, or `slow_sign_changes` times
-      within the slow one while the error stays; a turn counts if the joint's step is no crumb beside the others';
+      within the slow one while the error stays, turns of joints that hardly move left aside;
     - most of their motion in that window leads nowhere;
     - the target's own jitter does not explain it.
 
     It grows again within the tolerance, while the error falls, and while the joints run on and the error
-    changes, as behind a target that moves. Else it stays, so that the arm rests where the error can't be made smaller.
+    changes, as behind a target that moves. Else it stays, so that the arm rests where the error can't be
+    made smaller.
 
     What it remembers is a vector that the caller keeps, so that a block's Context can; its fields have
     names, see `fields`. As long as no joint has turned round for a slow window nothing is kept but errors

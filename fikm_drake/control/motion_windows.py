@@ -121,7 +121,7 @@ class MotionWindows:
         row[self._error], row[self._target] = moved, shifted
         sizes = np.abs(step)
         largest = max(float(sizes.max()), FADING * float(memory["largest"]))
-        row[self._flips] = 0.0 if flips is None else flips & (sizes > DOMINANT * largest)
+        row[self._flips] = 0.0 if flips is None else flips * (sizes > DOMINANT * largest)
         fall = last_size - size
         shift = float(shifted.dot(shifted)) ** 0.5
         row[self._lengths] = (

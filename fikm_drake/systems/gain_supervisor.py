@@ -34,8 +34,8 @@ class GainSupervisor(LeafSystem):
         - valid
 
     - **task_error** (m) [m]: the error of this cycle.
-    - **joint_step** (n) [rad or m]: the joint step of this cycle as it is done, less what limits take away; it enters the state at the cycle's
-      end, so `gain` does not feed through from it.
+    - **joint_step** (n) [rad or m]: the joint step of this cycle as it is done, less what limits take
+      away; it enters the state at the cycle's end, so `gain` does not feed through from it.
     - **target** (c) [m]: coordinates of the target, as `TaskError` has them, so that the block knows what
       of the error's jitter is the target's; unconnected it counts as a target that rests.
     - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the

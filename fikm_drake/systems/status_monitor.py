@@ -27,7 +27,8 @@ class StatusMonitor(LeafSystem):
         - status
 
     - **task_error** (m) [m].
-    - **valid**, **limited**, **oscillating**, **calmed** (1 each): 0 or 1, from the blocks' ports of these names.
+    - **valid**, **limited**, **oscillating**, **calmed** (1 each): 0 or 1, from the blocks' ports
+      of these names.
     - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 import fikm_drake as fd
 from fikm_drake.control.gain_supervision import LEAST_CALM
 
-
 AT_REST = np.zeros(1)
 """The target's coordinates."""
 
