@@ -49,10 +49,11 @@ from fikm_drake.fuzzy.teaching import (
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
 from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
+from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform, DhUnit
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.make_collision_checker import MakeCollisionChecker
 from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.robot_file import AddRobot, MakeRobotPlant, check_robot_file
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
@@ -120,6 +121,7 @@ __all__ = [
     "AddDhArm",
     "AddFuzzyIkController",
     "AddFuzzyIkTorqueController",
+    "AddRobot",
     "AddSupervisedDifferentialIk",
     "Anfis",
     "BatchSolution",
@@ -144,6 +146,7 @@ __all__ = [
     "DhTable",
     "DhTransform",
     "Explanation",
+    "DhUnit",
     "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
@@ -175,6 +178,7 @@ __all__ = [
     "MakeCollisionChecker",
     "MakeDhArmPlant",
     "MakeFuzzyIkController",
+    "MakeRobotPlant",
     "MamdaniConfig",
     "MamdaniSystem",
     "Planar3R",
@@ -201,6 +205,7 @@ __all__ = [
     "Triangle",
     "TriangularPartition",
     "VariableGain",
+    "check_robot_file",
     "closest_to_mid_range",
     "feasible_interval_table",
     "feasible_intervals",

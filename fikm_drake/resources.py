@@ -1,14 +1,17 @@
 """The folder `models/`: found from a checkout, an editable install and an installed wheel alike."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol, TypeVar
 
+import yaml
 from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody.parsing import Parser
 
 _PACKAGE = Path(__file__).resolve().parent
 
 Schema = TypeVar("Schema")
+Prepare = Callable[[yaml.MappingNode], None]
 
 
 class _Model(Protocol):
@@ -61,22 +64,60 @@ def find_model(name_or_path: str | Path, *, folder: str = "", kind: str = "arm")
     )
 
 
-def load_yaml(schema: type[Schema], path: Path, *, kind: str) -> Schema:
+def load_yaml(
+    schema: type[Schema], path: Path, *, kind: str, prepare: Prepare | None = None
+) -> Schema:
     """Read a YAML file into a dataclass by Drake's typed YAML.
 
+    Args:
+        schema: the dataclass.
+        path: of the file.
+        kind: what the error calls it.
+        prepare: may change the file's tree before it is read into the dataclass, or raise ValueError.
+
     Raises:
-        ValueError: the file is not YAML or does not fit the dataclass; the message names the file.
+        ValueError: the file is not YAML, has a key twice, or does not fit the dataclass; the message
+            names the file.
     """
     try:
-        return yaml_load_typed(schema=schema, filename=str(path), retain_map_defaults=True)
+        text = path.read_text("utf-8")
+        tree = yaml.compose(text, Loader=yaml.SafeLoader)
+        _check_keys(tree)
+        if prepare is not None and isinstance(tree, yaml.MappingNode):
+            prepare(tree)
+            text = yaml.serialize(tree)
+        return yaml_load_typed(schema=schema, data=text, retain_map_defaults=True)
     except OSError:
         raise
     except Exception as error:  # Drake and PyYAML raise many kinds
         raise ValueError(f"{path} is not a valid {kind} file: {error}") from error
 
 
+def _check_keys(node: yaml.Node | None) -> None:
+    """Raise ValueError for a key that stands twice in a mapping: YAML's readers take the last one."""
+    if isinstance(node, yaml.SequenceNode):
+        for item in node.value:
+            _check_keys(item)
+    elif isinstance(node, yaml.MappingNode):
+        lines: dict[object, int] = {}
+        for key, value in node.value:
+            line = key.start_mark.line + 1
+            if isinstance(key, yaml.ScalarNode):
+                if key.value in lines:
+                    raise ValueError(
+                        f"key {key.value!r} stands twice, in lines {lines[key.value]} and {line}"
+                    )
+                lines[key.value] = line
+            _check_keys(value)
+
+
 def load_model(
-    schema: type[Model], name_or_path: str | Path, *, folder: str = "", kind: str
+    schema: type[Model],
+    name_or_path: str | Path,
+    *,
+    folder: str = "",
+    kind: str,
+    prepare: Prepare | None = None,
 ) -> Model:
     """Read one of our models, or a user's file, into a dataclass and validate it.
 
@@ -85,13 +126,14 @@ def load_model(
         name_or_path: as of `find_model`.
         folder: where in `models/` to look for the name.
         kind: what the error calls it.
+        prepare: as of `load_yaml`.
 
     Raises:
         FileNotFoundError: there is no such file; the message lists the names there are.
         ValueError: the file does not describe such a model; the message names the file.
     """
     path = find_model(name_or_path, folder=folder, kind=kind)
-    model = load_yaml(schema, path, kind=kind)
+    model = load_yaml(schema, path, kind=kind, prepare=prepare)
     try:
         model.validate()
     except ValueError as error:

@@ -12,8 +12,8 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
     """Add `arm` to `plant` with its base welded to the world; returns its model instance.
 
     Bodies `base`, `link1` … and `tool`, joints and actuators `joint1` … and `joint1_motor` …, the
-    tool's frame `tool`. Its default position is the nearest to zero inside the limits. The visual
-    shapes are registered if the plant has a SceneGraph.
+    tool's frame `tool`. Its default position is the nearest to zero inside the limits. What is to be
+    seen and what collides is registered if the plant has a SceneGraph.
 
     Raises:
         ValueError: the plant is finalized already.
@@ -24,8 +24,13 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
     parser.SetAutoRenaming(True)  # two arms of a kind in one plant: panda, panda_1
     (instance,) = parser.AddModelsFromString(arm.to_urdf(), "urdf")
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base", instance))
-    for i, default in enumerate(arm.default_position, start=1):
-        plant.GetJointByName(f"joint{i}", instance).set_default_positions([default])
+    chain = arm.chain
+    for name, default, speed in zip(
+        chain.joint_names, chain.default_position, chain.velocity_limits
+    ):
+        joint = plant.GetJointByName(name, instance)
+        joint.set_default_positions([default])
+        joint.set_velocity_limits([-speed], [speed])  # URDF cannot say that there is none
     return instance
 
 

@@ -1,5 +1,6 @@
 """The chain of joints between two frames of a MultibodyPlant."""
 
+import warnings
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,9 +13,7 @@ from pydrake.systems.framework import Context
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.plant_frames import frame_by_name
 from fikm_drake.kinematics.serial_chain import SerialChain
-
-TURN_OVER = np.diag([1.0, -1.0, -1.0, 1.0])
-"""Half a turn about x: a joint that is passed backward acts about −z."""
+from fikm_drake.kinematics.transforms import TURN_OVER
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +43,14 @@ def chain_of_plant(
         raise ValueError("the plant must be finalized: call plant.Finalize() first")
     tool = frame_by_name(plant, frame) if isinstance(frame, str) else frame
     start = frame_by_name(plant, base) if isinstance(base, str) else base or plant.world_frame()
-    context = plant.CreateDefaultContext() if context is None else context
+    context = plant.CreateDefaultContext() if context is None else context.Clone()
     way = _way(plant, start, tool)
     chosen = _chosen(plant, way, joints, context, tool)
+    for passage in way:
+        if _is_fixed(passage.joint):
+            q = plant.GetPositions(context)
+            q[passage.joint.position_start()] = passage.joint.position_lower_limits()[0]
+            plant.SetPositions(context, q)
     X = _inverse(start.GetFixedPoseInBodyFrame().GetAsMatrix4())
     before: list[Array] = []
     for passage in way:
@@ -128,7 +132,7 @@ def _chosen(
 ) -> list[_Passage]:
     """Those that move."""
     able = [passage for passage in way if passage.joint.type_name() in ("revolute", "prismatic")]
-    free = [p for p in able if not p.joint.is_locked(context)]
+    free = [p for p in able if not (p.joint.is_locked(context) or _is_fixed(p.joint))]
     if joints is None:
         chosen = [passage for passage in free if passage.outward]
     elif isinstance(joints, ModelInstanceIndex):
@@ -139,14 +143,15 @@ def _chosen(
         found = {int(passage.joint.index()) for passage in chosen}
         if missing := [name for index, name in named.items() if index not in found]:
             raise ValueError(
-                f"joints must be revolute or prismatic, not locked, and on the way to frame "
-                f"{tool.name()!r}; {missing} is not, there are {[p.name for p in free]}"
+                f"joints must be revolute or prismatic, not locked, not fixed by equal limits, and on "
+                f"the way to frame {tool.name()!r}; {missing} is not, there are "
+                f"{[p.name for p in free]}"
             )
     if not chosen:
         raise ValueError(
             f"no joint moves frame {tool.name()!r}: on the way to it are "
             f"{[f'{p.name} ({p.joint.type_name()})' for p in way]}; revolute and prismatic ones that "
-            "are not locked can move it"
+            "are neither locked nor fixed by equal limits can move it"
         )
     return chosen
 
@@ -188,7 +193,21 @@ def _bound(joints: list[Joint], of: str) -> Array:
     """The smaller of both limits of the speeds or accelerations (n,)."""
     upper = [getattr(joint, f"{of}_upper_limits")()[0] for joint in joints]
     lower = [getattr(joint, f"{of}_lower_limits")()[0] for joint in joints]
-    return np.minimum(upper, -np.array(lower))
+    bound = np.minimum(upper, -np.array(lower))
+    if zeros := [joint.name() for joint, value in zip(joints, bound) if value == 0.0]:
+        warnings.warn(
+            f"{of} limit 0 of {zeros}, as exporters of CAD programs write it, is taken as no limit: set "
+            f"it in the model, or by Joint.set_{of}_limits before the plant is finalized; lock a joint, "
+            "or leave it out of joints=, if it must not move",
+            stacklevel=5,
+        )
+    return np.where(bound == 0.0, np.inf, bound)
+
+
+def _is_fixed(joint: Joint) -> bool:
+    """True if a joint of one degree of freedom has equal limits."""
+    one = joint.num_positions() == 1
+    return bool(one and joint.position_lower_limits()[0] == joint.position_upper_limits()[0])
 
 
 def _inverse(X: Array) -> Array:

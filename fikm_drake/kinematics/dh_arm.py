@@ -29,13 +29,13 @@ class DhArm:
     """
 
     def __init__(self, table: DhTable) -> None:
-        self._table = copy.deepcopy(table)
-        self.chain = SerialChain.from_dh(self._table)
+        self.chain = SerialChain.from_dh(table)
         """The arm's one model of its kinematics, in the base frame."""
+        self._table = table.in_si()
 
     @property
     def table(self) -> DhTable:
-        """A copy of the arm's table."""
+        """A copy of the arm's table, in radians and metres."""
         return copy.deepcopy(self._table)
 
     @property
@@ -101,7 +101,7 @@ class DhArm:
 
     def to_urdf(self) -> str:
         """The arm as URDF: links `base`, `link1` …, `tool`, joints `joint1` …; see `urdf.py`."""
-        return urdf(self.name, self._table.joints, list(self.chain.before), self.chain.tool)
+        return urdf(self.chain)
 
     def __repr__(self) -> str:
         return f"<DhArm {self.name!r}: {self.num_joints} joints>"

@@ -1,13 +1,36 @@
 """An arm's Denavit-Hartenberg table: the dataclasses that a YAML file of `models/` is read into."""
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+import copy
+import dataclasses
 from dataclasses import dataclass, field
-from math import inf
+from math import inf, pi
 
 from fikm_drake.checks import check_finite, check_number
 
 CONVENTIONS = ("craig", "standard")
 JOINT_TYPES = ("revolute", "prismatic")
+ANGLES = {"rad": 1.0, "deg": pi / 180.0}
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254}
+DEGREES = (2.1 * pi, 4.1 * pi)
+"""An angle of a row, and a limit, beyond which a table without a unit looks like degrees [rad]."""
+
+
+@dataclass
+class DhUnit:
+    """Units of a table's numbers, limits and speeds included."""
+
+    angle: str | None = None
+    """`rad` or `deg`; None: rad, and numbers that look like degrees are refused."""
+    length: str = "m"
+    """`m`, `cm`, `mm` or `in`."""
+
+    def validate(self, where: str) -> None:
+        """Raise ValueError, naming `where`, the bad unit and the valid ones."""
+        if self.angle is not None and self.angle not in ANGLES:
+            raise ValueError(f"{where}: angle must be one of {list(ANGLES)}, got {self.angle!r}")
+        if self.length not in LENGTHS:
+            raise ValueError(f"{where}: length must be one of {list(LENGTHS)}, got {self.length!r}")
 
 
 @dataclass
@@ -23,10 +46,18 @@ class DhTransform:
     theta: float = 0.0
     """Joint angle [rad]."""
 
-    def validate(self, where: str) -> None:
-        """Raise ValueError, naming `where` and the number, unless all four are finite."""
+    def validate(self, where: str, *, radians: bool = True) -> None:
+        """Raise ValueError, naming `where` and the number, unless all four are finite.
+
+        Args:
+            where: what the message begins with.
+            radians: True if nobody said so: angles that look like degrees are refused.
+        """
         for name in ("alpha", "a", "d", "theta"):
             check_finite(f"{where}: {name}", getattr(self, name))
+        if radians:
+            for name in ("alpha", "theta"):
+                _check_radians(f"{where}: {name}", getattr(self, name), DEGREES[0])
 
 
 @dataclass
@@ -44,7 +75,9 @@ class DhJoint(DhTransform):
     upper: float | None = None
     """Upper limit [rad or m]; None: no limit."""
     velocity: float | None = None
-    """Limit of the speed [rad/s or m/s]; None: no limit."""
+    """Limit of the speed [rad/s or m/s]; None or inf: no limit."""
+    flip: bool = False
+    """True for a joint that turns, or slides, the other way: its variable is subtracted."""
 
     @property
     def is_revolute(self) -> bool:
@@ -58,9 +91,14 @@ class DhJoint(DhTransform):
         upper = inf if self.upper is None else float(self.upper)
         return lower, upper
 
-    def validate(self, where: str) -> None:
+    @property
+    def is_fixed(self) -> bool:
+        """True if its limits leave it one position: it is no joint, but stands there."""
+        return self.limits[0] == self.limits[1]
+
+    def validate(self, where: str, *, radians: bool = True) -> None:
         """Raise ValueError, naming `where` and the bad value, unless the row describes a joint."""
-        super().validate(where)
+        super().validate(where, radians=radians)
         if self.type not in JOINT_TYPES:
             raise ValueError(f"{where}: type must be one of {JOINT_TYPES}, got {self.type!r}")
         for name in ("lower", "upper", "velocity"):
@@ -68,8 +106,18 @@ class DhJoint(DhTransform):
             if value is not None:
                 check_number(f"{where}: {name}", value, "a number or None", lambda x: x == x)
         lower, upper = self.limits
-        if not lower < upper:
-            raise ValueError(f"{where}: lower must be less than upper, got {lower} and {upper}")
+        if not lower <= upper:
+            raise ValueError(f"{where}: lower must not exceed upper, got {lower} and {upper}")
+        if self.is_fixed and abs(lower) == inf:
+            raise ValueError(
+                f"{where}: lower and upper are both {lower}; leave out a limit for none"
+            )
+        if radians and self.is_revolute:
+            for name, value in (("lower", lower), ("upper", upper)):
+                if abs(value) < inf:
+                    _check_radians(f"{where}: {name}", value, DEGREES[1])
+        if not isinstance(self.flip, bool):
+            raise ValueError(f"{where}: flip must be true or false, got {self.flip!r}")
         if self.velocity is not None and not self.velocity > 0:
             raise ValueError(f"{where}: velocity must be positive, got {self.velocity!r}")
 
@@ -90,6 +138,8 @@ class DhTable:
     """One row a joint, from the base outward."""
     tool: DhTransform = field(default_factory=DhTransform)
     """The last, fixed row, read in the same convention."""
+    unit: DhUnit = field(default_factory=DhUnit)
+    """Of all numbers: `unit: {angle: deg, length: mm}`."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones, unless this is an arm."""
@@ -105,9 +155,38 @@ class DhTable:
             )
         if not self.joints:
             raise ValueError(f"arm {self.name!r}: needs at least one row in joints")
+        self.unit.validate(f"arm {self.name!r}, unit")
+        radians = self.unit.angle is None
         for i, joint in enumerate(self.joints, start=1):
-            joint.validate(f"arm {self.name!r}, joint {i}")
-        self.tool.validate(f"arm {self.name!r}, tool")
+            joint.validate(f"arm {self.name!r}, joint {i}", radians=radians)
+        self.tool.validate(f"arm {self.name!r}, tool", radians=radians)
+        if all(joint.is_fixed for joint in self.joints):
+            raise ValueError(f"arm {self.name!r}: all joints are fixed by equal limits")
+
+    def in_si(self) -> "DhTable":
+        """The same arm in radians and metres."""
+        angle = ANGLES[self.unit.angle or "rad"]
+        length = LENGTHS[self.unit.length]
+
+        joints, tool = copy.deepcopy(self.joints), copy.deepcopy(self.tool)
+        for row in (*joints, tool):
+            row.alpha, row.theta = angle * row.alpha, angle * row.theta
+            row.a, row.d = length * row.a, length * row.d
+        for joint in joints:
+            scale = angle if joint.is_revolute else length
+            joint.lower = None if joint.lower is None else scale * joint.lower
+            joint.upper = None if joint.upper is None else scale * joint.upper
+            joint.velocity = None if joint.velocity is None else scale * joint.velocity
+        unit = DhUnit(None if self.unit.angle is None else "rad")
+        return dataclasses.replace(self, joints=joints, tool=tool, unit=unit)
+
+
+def _check_radians(where: str, angle: float, most: float) -> None:
+    if abs(angle) > most:
+        raise ValueError(
+            f"{where} is {angle}: that looks like degrees. Say `unit: {{angle: deg}}` in the table (it "
+            "holds for all its angles and limits), or `unit: {angle: rad}` if it is radians"
+        )
 
 
 def _is_identifier(name: str) -> bool:

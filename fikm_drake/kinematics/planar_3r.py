@@ -26,11 +26,9 @@ class Planar3R:
     """
 
     def __init__(self, arm: DhArm) -> None:
-        joints = arm.table.joints
-        if len(joints) != 3 or not all(joint.is_revolute for joint in joints):
+        if arm.chain.kinds != ("revolute",) * 3:
             raise ValueError(
-                f"arm {arm.name!r} must have three revolute joints, has "
-                f"{[joint.type for joint in joints]}"
+                f"arm {arm.name!r} must have three revolute joints, has {list(arm.chain.kinds)}"
             )
         origins = [arm.joint_origin(i) for i in range(3)]
         if not all(origin[2, 2] > 1.0 - ROUNDING for origin in origins):

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_table import JOINT_TYPES, DhTable
 from fikm_drake.kinematics.frames import Frames, FramesOfPostures
-from fikm_drake.kinematics.transforms import rotation_x, rotation_z, translation
+from fikm_drake.kinematics.transforms import joint_motion
 
 if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
@@ -90,7 +90,8 @@ class SerialChain:
         """The chain of a Denavit-Hartenberg table, in its base frame.
 
         A table in the standard convention is read as the modified one it equals: the factors
-        Tx(a_i) Rx(α_i) that end one row begin the next, the last of them the tool.
+        Tx(a_i) Rx(α_i) that end one row begin the next, the last of them the tool. A row with equal
+        limits is no joint: it stays where they say.
 
         Args:
             arm: the table, or the arm that has it.
@@ -98,31 +99,9 @@ class SerialChain:
         Raises:
             ValueError: naming the bad number and the valid ones.
         """
-        table = arm if isinstance(arm, DhTable) else arm.table
-        table.validate()
-        rows = table.joints
-        x_parts = [rotation_x(row.alpha) @ translation(x=row.a) for row in (*rows, table.tool)]
-        z_parts = [rotation_z(row.theta) @ translation(z=row.d) for row in (*rows, table.tool)]
-        if table.convention == "craig":
-            *before, tool = (x @ z for x, z in zip(x_parts, z_parts))
-        else:
-            starts = [np.eye(4), *x_parts[: len(rows) - 1]]
-            before = [x @ z for x, z in zip(starts, z_parts)]
-            tool = x_parts[-2] @ z_parts[-1] @ x_parts[-1]
-        limits = np.array([row.limits for row in rows])
-        speeds = [np.inf if row.velocity is None else row.velocity for row in rows]
-        return cls(
-            name=table.name,
-            joint_names=tuple(f"joint{i}" for i in range(1, len(rows) + 1)),
-            kinds=tuple(row.type for row in rows),
-            before=np.array(before),
-            tool=tool,
-            lower=limits[:, 0],
-            upper=limits[:, 1],
-            velocity_limits=np.array(speeds),
-            acceleration_limits=np.full(len(rows), np.inf),
-            default_position=np.clip(0.0, limits[:, 0], limits[:, 1]),
-        )
+        from fikm_drake.kinematics.chain_of_table import chain_of_table
+
+        return chain_of_table(arm if isinstance(arm, DhTable) else arm.table)
 
     @classmethod
     def from_plant(
@@ -140,9 +119,9 @@ class SerialChain:
             plant: a finalized plant.
             frame: the tool's frame, or its name; `instance::name` where several have such a frame.
             joints: which of the joints on the way move: names (`instance::name` where several joints
-                have one), or a model instance. None: all revolute and prismatic ones that are not
-                locked, from where the frame's way parts from the base's. Whatever else is on the way,
-                floating bases and ball joints too, is held.
+                have one), or a model instance. None: all revolute and prismatic ones that are neither
+                locked nor fixed by equal limits, from where the frame's way parts from the base's.
+                Whatever else is on the way, floating bases and ball joints too, is held.
             base: the frame in which the chain stands; None: the world.
             context: of the plant; where held joints are, and which are locked. None: the default.
 
@@ -241,8 +220,7 @@ class SerialChain:
         q, X = self.checked(q), np.eye(4)
         poses = np.empty((*q.shape, 4, 4))
         for i, turns in enumerate(self.revolute):
-            motion = rotation_z(q[..., i]) if turns else translation(z=q[..., i])
-            X = X @ self.before[i] @ motion
+            X = X @ self.before[i] @ joint_motion(turns, q[..., i])
             poses[..., i, :, :] = X
         return poses
 

@@ -5,6 +5,9 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
 
+TURN_OVER = np.diag([1.0, -1.0, -1.0, 1.0])
+"""Half a turn about x: a joint between two of these acts about −z."""
+
 
 def rotation_x(angle: ArrayLike) -> Array:
     """Rotation about x by `angle` (…) [rad], as (…,4,4)."""
@@ -22,6 +25,11 @@ def translation(x: ArrayLike = 0.0, y: ArrayLike = 0.0, z: ArrayLike = 0.0) -> A
     X = _identity(x.shape)
     X[..., 0, 3], X[..., 1, 3], X[..., 2, 3] = x, y, z
     return X
+
+
+def joint_motion(turns: bool, q: ArrayLike) -> Array:
+    """What a joint at `q` (…) does, as (…,4,4): a turn about z, or a shift along it."""
+    return rotation_z(q) if turns else translation(z=q)
 
 
 def _rotation(angle: ArrayLike, row: int, column: int) -> Array:

@@ -78,7 +78,7 @@ def _plot_gain(axes: Axes, log: TrackingLog) -> None:
 
 
 def _plot_joints(axes: Axes, log: TrackingLog) -> None:
-    revolute = [joint.is_revolute for joint in log.scenario.load_arm().table.joints]
+    revolute = log.scenario.load_arm().chain.revolute
     for i, q in enumerate(log.q.T):
         axes.plot(log.time, q, label=f"$q_{{{i + 1}}}$", linewidth=1.2)
     axes.set_ylabel("joints q [rad]" if all(revolute) else "joints q [rad, m]")

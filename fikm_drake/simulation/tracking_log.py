@@ -109,8 +109,8 @@ class TrackingLog:
             OSError: the file cannot be written.
         """
         axes = "xyz"[: self.desired.shape[1]]
-        rows = self.scenario.load_arm().table.joints
-        joints = [f"{i}_{'rad' if row.is_revolute else 'm'}" for i, row in enumerate(rows, start=1)]
+        revolute = self.scenario.load_arm().chain.revolute
+        joints = [f"{i}_{'rad' if turns else 'm'}" for i, turns in enumerate(revolute, start=1)]
         header = ["time_s"]
         for name in ("desired", "actual", "error"):
             header += [f"{name}_{axis}_m" for axis in axes]

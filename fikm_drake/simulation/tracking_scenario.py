@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import yaml
 from numpy.typing import ArrayLike
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
@@ -14,7 +15,7 @@ from fikm_drake.checks import check_bandwidth, check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.resources import load_model
+from fikm_drake.resources import find_model, load_model
 from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.joint_integrator import check_position
 
@@ -133,10 +134,20 @@ def load_scenario(name_or_path: str | Path) -> TrackingScenario:
     """Load a scenario by the name of one of ours or from a YAML file of your own.
 
     Args:
-        name_or_path: such as `table6_10s`, or a path that ends in .yaml.
+        name_or_path: such as `table6_10s`, or a path that ends in .yaml; a path in its `arm:` is
+            relative to it.
 
     Raises:
         FileNotFoundError: there is no such file; the message lists ours.
         ValueError: the file does not describe a scenario; the message says what is wrong.
     """
-    return load_model(TrackingScenario, name_or_path, folder="scenarios", kind="scenario")
+    folder = find_model(name_or_path, folder="scenarios", kind="scenario").parent
+
+    def prepare(scenario: yaml.MappingNode) -> None:
+        for key, value in scenario.value:
+            if key.value == "arm" and str(value.value).endswith((".yaml", ".yml")):
+                value.value = str(folder / value.value)
+
+    return load_model(
+        TrackingScenario, name_or_path, folder="scenarios", kind="scenario", prepare=prepare
+    )

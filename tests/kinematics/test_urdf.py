@@ -124,7 +124,74 @@ def test_shapes_are_seen_where_there_is_a_scene_graph():
 
     inspector = scene_graph.model_inspector()
     assert inspector.NumGeometriesWithRole(Role.kIllustration) >= 7
-    assert inspector.NumGeometriesWithRole(Role.kProximity) == 0
+    assert inspector.NumGeometriesWithRole(Role.kProximity) == 7
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_neighbours_never_collide_and_no_arm_does_when_stretched(name):
+    """Links of a spherical wrist and those around a short link touch in every posture: filtered."""
+    arm = load_arm(name)
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, 0.0)
+    AddDhArm(plant, arm)
+    plant.Finalize()
+    diagram = builder.Build()
+    context = plant.GetMyContextFromRoot(diagram.CreateDefaultContext())
+    rng = np.random.default_rng(2)
+    lower, upper = np.maximum(arm.lower, -3), np.minimum(arm.upper, 3)
+    hits = np.zeros(20, dtype=bool)
+    for i in range(20):
+        plant.SetPositions(context, rng.uniform(lower, upper))
+        pairs = plant.get_geometry_query_input_port().Eval(context).ComputePointPairPenetration()
+        hits[i] = bool(pairs)
+    assert hits.mean() <= 0.5  # the rest is real: arm7 and planar4 can reach themselves
+    plant.SetPositions(context, np.clip(np.full(arm.num_joints, 0.3), lower, upper))
+    query = plant.get_geometry_query_input_port().Eval(context)
+    assert not query.ComputePointPairPenetration()
+
+
+def scaled(name, scale):
+    table = load_arm(name).table
+    for row in (*table.joints, table.tool):
+        row.a, row.d = scale * row.a, scale * row.d
+    return DhArm(table)
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1e-1, 10.0])
+@pytest.mark.parametrize("name", ["panda", "puma560", "planar2"])
+def test_arms_of_any_size_keep_their_numbers(name, scale):
+    arm = scaled(name, scale)
+    plant = MultibodyPlant(0.0)
+    AddDhArm(plant, arm)
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    tool = plant.GetFrameByName("tool")
+    big, big_context = MultibodyPlant(0.0), None
+    AddDhArm(big, load_arm(name))
+    big.Finalize()
+    big_context = big.CreateDefaultContext()
+    for q in np.random.default_rng(3).uniform(-2, 2, (4, arm.num_joints)):
+        plant.SetPositions(context, q)
+        X = tool.CalcPoseInWorld(context).GetAsMatrix4()
+        np.testing.assert_allclose(X, arm.forward_kinematics(q), rtol=0, atol=1e-13 * max(1, scale))
+        big.SetPositions(big_context, q)
+        # Masses are volumes times a density: M of a revolute arm scales by the fifth power.
+        np.testing.assert_allclose(
+            plant.CalcMassMatrix(context) / scale**5,
+            big.CalcMassMatrix(big_context),
+            rtol=0,
+            atol=2e-4,
+        )
+
+
+def test_no_limit_may_be_written_as_inf_and_velocity_is_always_there():
+    rows = [DhJoint(a=1.0, velocity=np.inf), DhJoint(a=1.0, upper=np.inf, velocity=2.0), DhJoint()]
+    arm = DhArm(DhTable("arm", joints=rows))
+    plant = MultibodyPlant(0.0)
+    AddDhArm(plant, arm)
+    plant.Finalize()
+    np.testing.assert_array_equal(plant.GetVelocityUpperLimits(), [np.inf, 2.0, np.inf])
+    assert arm.to_urdf().count('velocity="') == 3 and "inf" not in arm.to_urdf()
 
 
 def test_random_arms_have_physically_valid_inertias(random_arm):

@@ -211,3 +211,17 @@ def test_start_is_the_default_position_or_the_given_one():
     np.testing.assert_array_equal(panda.start(), load_arm("panda").default_position)
     given = scenario(initial_position=np.arange(7) / 10)
     np.testing.assert_array_equal(given.start(), np.arange(7) / 10)
+
+
+def test_a_path_of_an_arm_is_relative_to_its_scenario(tmp_path, monkeypatch):
+    (tmp_path / "deep").mkdir()
+    arm = load_arm("planar2").table
+    arm.name = "mine"
+    (tmp_path / "arm.yaml").write_text(yaml_dump_typed(arm))
+    scenario = tmp_path / "deep" / "scenario.yaml"
+    scenario.write_text("arm: ../arm.yaml\nwaypoints: [[0.5, 0.5]]\n")
+    monkeypatch.chdir("/")
+    assert load_scenario(scenario).load_arm().name == "mine"
+    scenario.write_text("arm: planar2\nwaypoints: [[0.5, 0.5]]\nwaypoints: [[0.1, 0.1]]\n")
+    with pytest.raises(ValueError, match="'waypoints' stands twice"):
+        load_scenario(scenario)

@@ -74,7 +74,7 @@ class BoundsInputs:
 def _check_planar_4r(arm: DhArm) -> None:
     origins = [arm.joint_origin(i) for i in range(arm.num_joints)]
     planar = all(X[2, 2] > 1.0 - ROUNDING for X in (*origins, arm.tool_pose))
-    revolute = all(joint.is_revolute for joint in arm.table.joints)
+    revolute = all(arm.chain.revolute)
     if arm.num_joints != 4 or not (planar and revolute):
         raise ValueError(
             f"arm {arm.name!r} must be planar with four revolute joints along the base's z for bounds "

@@ -35,9 +35,9 @@ class WorkplaneInverse:
 
     def __init__(self, arm: DhArm, workplane: Workplane, initial_position: ArrayLike) -> None:
         workplane.validate()
-        for i, joint in enumerate(arm.table.joints, start=1):
-            if not joint.is_revolute:
-                raise ValueError(f"all joints must be revolute, joint {i} of {arm.name!r} is not")
+        for name, kind in zip(arm.chain.joint_names, arm.chain.kinds):
+            if kind != "revolute":
+                raise ValueError(f"all joints must be revolute, {name} of {arm.name!r} is not")
         self.arm = arm
         self._workplane = copy.deepcopy(workplane)
         start = check_finites("initial_position", initial_position, arm.num_joints, "rad")
