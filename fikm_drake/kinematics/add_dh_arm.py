@@ -8,12 +8,17 @@ from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_arm import DhArm
 
 
-def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
+def AddDhArm(plant: MultibodyPlant, arm: DhArm, *, capsules: bool = True) -> ModelInstanceIndex:
     """Add `arm` to `plant` with its base welded to the world; returns its model instance.
 
     Bodies `base`, `link1` … and `tool`, joints and actuators `joint1` … and `joint1_motor` …, the
     tool's frame `tool`. Its default position is the nearest to zero inside the limits. What is to be
     seen and what collides is registered if the plant has a SceneGraph.
+
+    Args:
+        plant: not finalized.
+        arm: the arm.
+        capsules: False leaves out what collides, for shapes of your own such as `AddArmCapsules` makes.
 
     Raises:
         ValueError: the plant is finalized already.
@@ -22,7 +27,7 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm) -> ModelInstanceIndex:
         raise ValueError(f"AddDhArm({arm.name!r}): the plant is finalized already")
     parser = Parser(plant)
     parser.SetAutoRenaming(True)  # two arms of a kind in one plant: panda, panda_1
-    (instance,) = parser.AddModelsFromString(arm.to_urdf(), "urdf")
+    (instance,) = parser.AddModelsFromString(arm.to_urdf(capsules=capsules), "urdf")
     plant.WeldFrames(plant.world_frame(), plant.GetFrameByName("base", instance))
     chain = arm.chain
     for name, default, speed in zip(

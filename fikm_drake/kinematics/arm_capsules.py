@@ -40,7 +40,7 @@ def AddArmCapsules(
         plant: the plant, not yet finalized, such as `RobotDiagramBuilder().plant()`.
         scene_graph: the one that it is registered with.
         arm: the arm.
-        instance: what `AddDhArm` returned.
+        instance: what `AddDhArm(…, capsules=False)` returned.
         radius: of the capsules [m]; None: `SLENDERNESS` times the sum of the arm's lengths.
         tool_radius: of the last link's capsule or ball [m]; None: half the radius.
 

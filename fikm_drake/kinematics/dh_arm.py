@@ -99,9 +99,13 @@ class DhArm:
         """
         return jacobian_range(self.chain)
 
-    def to_urdf(self) -> str:
-        """The arm as URDF: links `base`, `link1` …, `tool`, joints `joint1` …; see `urdf.py`."""
-        return urdf(self.chain)
+    def to_urdf(self, *, capsules: bool = True) -> str:
+        """The arm as URDF: links `base`, `link1` …, `tool`, joints `joint1` …; see `urdf.py`.
+
+        Args:
+            capsules: False leaves out what collides.
+        """
+        return urdf(self.chain, capsules=capsules)
 
     def __repr__(self) -> str:
         return f"<DhArm {self.name!r}: {self.num_joints} joints>"

@@ -91,7 +91,7 @@ def _add(
 ) -> None:
     plant = robot.plant()
     if isinstance(source, DhArm):
-        AddArmCapsules(plant, robot.scene_graph(), source, AddDhArm(plant, source))
+        AddArmCapsules(plant, robot.scene_graph(), source, AddDhArm(plant, source, capsules=False))
     elif isinstance(source, MultibodyPlant):
         if scene_graph is None or not alone:
             raise ValueError("a plant needs its scene_graph, and must be the only source")

@@ -28,7 +28,9 @@ def scene(joint=None):
     plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.001)
     for name in ("iiwa14", "panda"):
         arm = fd.load_arm(name)
-        AddArmCapsules(plant, scene_graph, arm, fd.AddDhArm(plant, arm), radius=0.06)
+        AddArmCapsules(
+            plant, scene_graph, arm, fd.AddDhArm(plant, arm, capsules=False), radius=0.06
+        )
     ball = plant.AddRigidBody(
         "ball", plant.AddModelInstance("ball"), SpatialInertia.SolidSphereWithMass(1.0, 0.1)
     )
