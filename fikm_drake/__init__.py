@@ -13,6 +13,8 @@ radians, times in seconds.
 from fikm_drake.control.clearance import Clearance, ClearanceInfo
 from fikm_drake.control.clearance_config import ClearanceConfig, load_clearance_rules
 from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
+from fikm_drake.control.cycle import ControlCycle, CycleState, Rollout, Tick, rollout
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.restart_search import RestartState
@@ -53,8 +55,12 @@ from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform, DhUnit
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.make_collision_checker import MakeCollisionChecker
 from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.robot_file import AddRobot, MakeRobotPlant, check_robot_file
 from fikm_drake.kinematics.serial_chain import SerialChain
+from fikm_drake.kinematics.task_kinematics import PlantTask, PoseTargetTask, TaskKinematics
+from fikm_drake.kinematics.tasks import OrientationTask, PointingTask, PoseTask, PositionTask
+from fikm_drake.laws import LAWS, named_law
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
@@ -100,7 +106,6 @@ from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, W
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
 from fikm_drake.systems.joint_integrator import JointIntegrator
@@ -133,24 +138,20 @@ __all__ = [
     "CommandSupervisor",
     "CommandSupervisorConfig",
     "ConfigureParser",
+    "ControlCycle",
     "ControllerStatus",
+    "CycleState",
     "DampedLeastSquares",
-    "NearestReachable",
-    "Workplane",
-    "WorkplaneData",
-    "WorkplaneInverse",
-    "RestartPlanner",
-    "RestartState",
     "DhArm",
     "DhJoint",
     "DhTable",
     "DhTransform",
-    "Explanation",
     "DhUnit",
+    "DifferentialIk",
+    "Explanation",
     "FeasibilityData",
     "FeasibleInterval",
     "FusedFuzzyIk",
-    "DifferentialIk",
     "FuzzyIkConfig",
     "FuzzyIkController",
     "FuzzyIkTorqueController",
@@ -170,6 +171,7 @@ __all__ = [
     "JacobianTranspose",
     "JointIntegrator",
     "JointReference",
+    "LAWS",
     "LabVoltIk",
     "LastFinite",
     "Law",
@@ -181,12 +183,23 @@ __all__ = [
     "MakeRobotPlant",
     "MamdaniConfig",
     "MamdaniSystem",
+    "NearestReachable",
+    "OrientationTask",
     "Planar3R",
+    "PlantArm",
+    "PlantTask",
+    "PointingTask",
+    "PoseTargetTask",
+    "PoseTask",
+    "PositionTask",
     "PseudoInverse",
     "RedundancyIk",
     "RedundancyResolver",
     "Resolution",
     "ResolutionStatus",
+    "RestartPlanner",
+    "RestartState",
+    "Rollout",
     "RuleBase",
     "SelfMotion",
     "SelfMotionComponent",
@@ -197,6 +210,8 @@ __all__ = [
     "StatusMonitor",
     "SupervisedDifferentialIk",
     "TaskError",
+    "TaskKinematics",
+    "Tick",
     "TiltedPlaneInverse",
     "TrackingLog",
     "TrackingMetrics",
@@ -205,6 +220,9 @@ __all__ = [
     "Triangle",
     "TriangularPartition",
     "VariableGain",
+    "Workplane",
+    "WorkplaneData",
+    "WorkplaneInverse",
     "check_robot_file",
     "closest_to_mid_range",
     "feasible_interval_table",
@@ -215,17 +233,19 @@ __all__ = [
     "labvolt",
     "load_arm",
     "load_clearance_rules",
-    "load_workplane",
-    "load_workplane_data",
     "load_mamdani",
     "load_scenario",
+    "load_workplane",
+    "load_workplane_data",
     "minimum_norm_path",
+    "named_law",
     "nearest_reachable",
     "parse_rules",
     "plot_log",
     "plot_memberships",
     "plot_rules",
     "plot_surface",
+    "rollout",
     "simulate",
     "solve_batch",
     "trace_self_motion",

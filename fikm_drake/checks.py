@@ -5,6 +5,9 @@ from math import inf, isfinite, nan
 from numbers import Integral
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from fikm_drake.arrays import Array
 
 
 def check_number(name: str, value: object, what: str, good: Callable[[float], bool]) -> float:
@@ -47,6 +50,13 @@ def check_finites(name: str, values: object, count: int, unit: str) -> list[floa
     return numbers
 
 
+def check_flag(name: str, value: object) -> bool:
+    """The value; ValueError, naming it, unless it is True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} must be True or False, got {value!r}")
+    return bool(value)
+
+
 def check_counts(least: int = 1, **counts: object) -> None:
     """Raise ValueError, naming the count, unless all are integers of at least `least`."""
     for name, count in counts.items():
@@ -62,6 +72,28 @@ def check_period(period: float) -> float:
 def check_bandwidth(bandwidth: float) -> float:
     """The bandwidth [rad/s]; ValueError unless it is positive and finite."""
     return check_positive_finite("bandwidth", bandwidth, "rad/s")
+
+
+def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
+    """Lower and upper limits as arrays; ValueError unless they are vectors with lower ≤ upper."""
+    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
+    if lower.ndim != 1 or lower.shape != upper.shape or not lower.size:
+        raise ValueError(f"lower and upper must be (n,), got {lower.shape} and {upper.shape}")
+    if not (lower <= upper).all():
+        raise ValueError(f"lower must not exceed upper, got {lower.tolist()}, {upper.tolist()}")
+    return lower, upper
+
+
+def check_position(
+    position: ArrayLike, lower: Array, upper: Array, *, name: str = "joint position"
+) -> Array:
+    """The joint position (n,); ValueError, naming the joint, unless it is finite and inside limits."""
+    position = np.array(position, dtype=float)
+    if position.shape != lower.shape or not np.isfinite(position).all():
+        raise ValueError(f"{name} must be {len(lower)} finite numbers, got {position.tolist()}")
+    for j in np.flatnonzero((position < lower) | (position > upper)):
+        raise ValueError(f"{name} {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}")
+    return position
 
 
 def _number(value: object) -> float:

@@ -96,7 +96,7 @@ def test_so_many_finite_numbers():
         ("tolerance", lambda x: fd.labvolt.solve([0.4, 0.1], tolerance=x)),
         ("resolution", lambda x: fd.IntegerFuzzyIk(resolution=x)),
         ("control_rate", lambda x: fd.FuzzyIkConfig(control_rate=x).validate()),
-        ("posture_gain", lambda x: fd.FuzzyIkConfig(posture_gain=x).validate()),
+        ("posture_rate", lambda x: fd.FuzzyIkConfig(posture_rate=x).validate()),
         ("calming", lambda x: fd.GainSupervisorConfig(calming=x).validate()),
         ("sign_changes", lambda x: fd.GainSupervisorConfig(sign_changes=x).validate()),
         ("recovery", lambda x: fd.CommandSupervisorConfig(recovery=x).validate()),

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.checks import check_positive
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 ErrorAndJacobian = Callable[[Any, Array], tuple[Array, Array]]
@@ -190,3 +192,24 @@ class RestartSearch:
     def _aside(self, q: Array) -> Array:
         """A posture beside q, the same each time."""
         return np.clip(q + 0.1 * aside(len(q)), self._lower, self._upper)
+
+
+def make_restart_search(task: TaskKinematics, *, tolerance: float, pace: float) -> RestartSearch:
+    """The restart search of a task's arm.
+
+    Args:
+        task: what counts.
+        tolerance: a task error up to this is no reason for a search [m].
+        pace: largest joint motion in a cycle on the way [rad or m].
+
+    Raises:
+        ValueError: naming the bad value.
+    """
+    return RestartSearch(
+        task.error_and_jacobian,
+        task.size,
+        lower=task.arm.lower,
+        upper=task.arm.upper,
+        tolerance=check_positive("tolerance", tolerance),
+        pace=check_positive("pace", pace),
+    )

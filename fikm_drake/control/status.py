@@ -2,6 +2,9 @@
 
 from enum import IntEnum
 
+import numpy as np
+
+from fikm_drake.arrays import Array
 from fikm_drake.control.restart_search import RestartState
 
 
@@ -24,6 +27,27 @@ class ControllerStatus(IntEnum):
     """The arm searches for another posture, or moves to it (`FuzzyIkConfig.restart_search`)."""
     STUCK = 7
     """No posture was found that solves the task: it seems out of reach (`FuzzyIkConfig.restart_search`)."""
+    NOT_FOLLOWING = 8
+    """The measured robot is further from the command than its limits explain, or not finite."""
+
+
+ORDINARY_SPEED = 3.0
+"""A joint without limit of speed is taken to move no faster [rad/s or m/s]."""
+
+
+def following_distance(speeds: Array, time: float) -> Array:
+    """How far a joint that follows can be from its command (n,) [rad or m].
+
+    Args:
+        speeds: limits of speed (n,), inf for none [rad/s or m/s].
+        time: by which a robot may be late [s].
+    """
+    return np.minimum(speeds, ORDINARY_SPEED) * time
+
+
+def follows(command: Array, measured: Array, distance: Array) -> bool:
+    """True if every joint (n,) is within `distance` (n,) of its command; a joint of NaN is not."""
+    return bool((np.abs(measured - command) <= distance).all())
 
 
 def controller_status(
@@ -35,6 +59,7 @@ def controller_status(
     oscillating: bool,
     calmed: bool = False,
     restart_search: float = RestartState.NONE,
+    following: bool = True,
 ) -> ControllerStatus:
     """The status of a cycle.
 
@@ -45,10 +70,13 @@ def controller_status(
         limited: a joint limit cuts the joint step.
         oscillating: the supervisor sees a joint oscillate.
         calmed: the supervisor has calmed the arm and it rests.
+        following: the measured robot is near its command.
         restart_search: what the restart search does, a `RestartState`.
     """
     if not valid:
         return ControllerStatus.INVALID_INPUT
+    if not following:
+        return ControllerStatus.NOT_FOLLOWING
     if error <= tolerance:
         return ControllerStatus.CONVERGED
     if restart_search == RestartState.STUCK:

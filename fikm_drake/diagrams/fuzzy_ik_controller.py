@@ -1,19 +1,25 @@
 """The fuzzy IK controller as a Diagram of blocks (Xu & Nechyba 1993, figure 1)."""
 
+import dataclasses
+
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
-from fikm_drake.laws.law import Law, takes_damping
+from fikm_drake.control.cycle import make_law
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.control.status import following_distance
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
+from fikm_drake.laws import LawLike
+from fikm_drake.laws.law import takes_damping
 from fikm_drake.systems.differential_ik import DifferentialIk
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 from fikm_drake.systems.variable_gain import VariableGain
 
 
@@ -36,11 +42,13 @@ class FuzzyIkController(Diagram):
         - oscillating_joint
         - status
 
-    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. For tasks with
-      orientation **desired_pose** is in its place, a RigidTransform X_WE.
-    - **estimated_position** (n) [rad or m]: the measured joints; the port exists with
-      `config.measured_position` only.
-    - **commanded_position** (n) [rad or m]: from the state; set its start by `SetPositions`.
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. Other tasks have
+      another port in its place: **desired_pose**, a RigidTransform X_WE, for those with orientation,
+      **desired_pointing** (6) for `pointing`, or whatever a task of one's own declares.
+    - **estimated_position** (n) [rad or m]: the robot's joints. The command starts there, in the
+      initialization event, and with `config.measured_position` the law works there. May stay
+      unconnected without that: then set the start by `SetPositions`.
+    - **commanded_position** (n) [rad or m]: from the state.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
     - **joint_step** (n) [rad or m]: dθ of this cycle, before the joint limits.
     - **task_error** (m) [m]: desired minus actual, in the world frame; see `TaskError`.
@@ -54,25 +62,40 @@ class FuzzyIkController(Diagram):
 
     Args:
         plant: a finalized plant; it is not copied.
-        law: the mapping (J, dr) to a joint step.
         config: see `FuzzyIkConfig`.
+        law: another law than the config's.
+        task: another task than the config's, an object.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> plant = fd.MakeDhArmPlant(fd.load_arm("arm7"))
+        >>> fd.FuzzyIkController(plant, config=fd.FuzzyIkConfig()).num_output_ports()
+        7
     """
 
-    def __init__(self, plant: MultibodyPlant, *, law: Law, config: FuzzyIkConfig) -> None:
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        *,
+        config: FuzzyIkConfig,
+        law: LawLike | None = None,
+        task: TaskKinematics | None = None,
+    ) -> None:
         super().__init__()
         config.validate()
-        task = config.make_task()
-        kinematics = make_tool_kinematics(plant, config.frame, task)
-        n, m = kinematics.num_joints, kinematics.task.size
+        config = dataclasses.replace(config)
+        task = as_task(plant, config.frame, task or config.task, config.characteristic_length)
+        law, arm = make_law(task, config, law), task.arm
+        n, m = arm.num_joints, task.size
         period = config.period
         limit = config.error_limit
 
         builder = DiagramBuilder()
         add = builder.AddNamedSystem
-        error = add("task_error", TaskError(plant, frame=config.frame, task=task))
+        error = add("task_error", TaskError(plant, task=task))
         supervisor = add(
             "gain_supervisor",
             GainSupervisor(
@@ -100,25 +123,30 @@ class FuzzyIkController(Diagram):
             "error_filter", LowPassFilter(m, period=period, smoothing=config.error_smoothing)
         )
         ik = add(
-            "fuzzy_ik",
+            "differential_ik",
             DifferentialIk(
                 plant,
                 law=law,
-                frame=config.frame,
                 task=task,
                 guarded=True,
                 damped=takes_damping(law),
-                **config.step_options(),
+                max_joint_step=config.max_joint_step,
+                limit_margin=config.limit_margin,
+                posture_gain=config.posture_rate * period,
+                nominal_position=config.nominal_position,
+                singularity_nudge=config.singularity_nudge,
             ),
         )
         integrator = add(
             "joint_integrator",
             JointIntegrator(
-                kinematics.lower,
-                kinematics.upper,
+                arm.lower,
+                arm.upper,
                 period=period,
-                initial_position=kinematics.default_position,
-                **config.rates(kinematics),
+                initial_position=arm.default_position,
+                velocity_limits=config.speeds(arm),
+                acceleration_limits=config.accelerations(arm),
+                following_distance=following_distance(config.speeds(arm), config.following_time),
             ),
         )
         status = add(
@@ -143,7 +171,13 @@ class FuzzyIkController(Diagram):
         if config.restart_search:
             source = add(
                 "restart_planner",
-                RestartPlanner(plant, frame=config.frame, task=task, **config.restart_options()),
+                RestartPlanner(
+                    plant,
+                    task=task,
+                    period=period,
+                    tolerance=config.tolerance,
+                    speed=config.restart_speed,
+                ),
             )
             wire(ik, "joint_step", source, "law_step")
             wire(source, "restart_search", status, "restart_search")
@@ -154,18 +188,18 @@ class FuzzyIkController(Diagram):
         wire(integrator, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
         wire(supervisor, "calmed", status, "calmed")
+        wire(integrator, "following", status, "following")
 
         desired = error.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
         if config.restart_search:
             builder.ConnectInput(desired.get_name(), source.GetInputPort(desired.get_name()))
-        if config.measured_position:
-            builder.ExportInput(error.GetInputPort("position"), "estimated_position")
+        builder.ExportInput(integrator.GetInputPort("estimated_position"), "estimated_position")
         for block in [error, ik, *[source] * config.restart_search]:
             if not config.measured_position:
                 wire(integrator, "position", block, "position")
-            elif block is not error:
+            else:
                 builder.ConnectInput("estimated_position", block.GetInputPort("position"))
         for block, port, name in (
             (integrator, "position", "commanded_position"),

@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.controllers import InverseDynamicsController
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, Demultiplexer, Gain
 
 from fikm_drake.checks import check_bandwidth
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
-from fikm_drake.laws.law import Law
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.laws import LawLike
 from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.last_finite import LastFinite
 
@@ -42,7 +43,7 @@ class FuzzyIkTorqueController(Diagram):
         - valid
 
     - **desired_position** (m) [m], or **desired_pose**: as of `FuzzyIkController`.
-    - **estimated_state** (2n) [q; v]: the plant's.
+    - **estimated_state** (2n) [q; v]: the plant's; command and reference start there.
     - **actuation** (n) [N m or N]: for the plant, of Drake's `InverseDynamicsController`.
     - **valid** (1): 1 while the estimated state is finite, else 0; the inner loop then goes on from
       the last one that was.
@@ -64,7 +65,8 @@ class FuzzyIkTorqueController(Diagram):
         plant: a finalized, discrete plant, fully actuated, with nothing but the arm; it is not
             copied and must live as long.
         config: by default `FuzzyIkConfig()`.
-        law: another law in place of the fuzzy mapping that the config describes.
+        law: another law than the config's.
+        task: another task than the config's, an object.
         bandwidth: of the inner loop [rad/s].
         acceleration_limits: of every joint of the reference [rad/s² or m/s²].
 
@@ -77,7 +79,8 @@ class FuzzyIkTorqueController(Diagram):
         plant: MultibodyPlant,
         *,
         config: FuzzyIkConfig | None = None,
-        law: Law | None = None,
+        law: LawLike | None = None,
+        task: TaskKinematics | None = None,
         bandwidth: float = BANDWIDTH,
         acceleration_limits: float = ACCELERATION_LIMIT,
     ) -> None:
@@ -85,7 +88,7 @@ class FuzzyIkTorqueController(Diagram):
         config = config or FuzzyIkConfig()
         check_bandwidth(bandwidth)
         builder = DiagramBuilder()
-        ik = AddFuzzyIkController(builder, plant, config=config, law=law)
+        ik = AddFuzzyIkController(builder, plant, config=config, law=law, task=task)
         n = plant.num_positions()
         if plant.time_step() == 0.0 or plant.num_actuators() != n:
             raise ValueError(
@@ -100,6 +103,7 @@ class FuzzyIkTorqueController(Diagram):
                 time_step=plant.time_step(),
                 velocity_limits=plant.GetVelocityUpperLimits(),
                 acceleration_limits=acceleration_limits,
+                initial_position=plant.GetPositions(plant.CreateDefaultContext()),
             ),
         )
         servo = builder.AddNamedSystem(
@@ -124,8 +128,14 @@ class FuzzyIkTorqueController(Diagram):
         desired = ik.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ExportInput(guard.get_input_port(), "estimated_state")
+        measured = builder.AddNamedSystem("measured_positions", Demultiplexer(np.array([n, n])))
+        builder.ConnectInput("estimated_state", measured.get_input_port())
+        positions = measured.get_output_port(0)
+        builder.Connect(positions, reference.GetInputPort("estimated_position"))
         if config.measured_position:
-            self._feed_back(builder, n)
+            self._feed_back(builder, positions)
+        else:
+            builder.Connect(positions, ik.GetInputPort("estimated_position"))
         builder.ExportOutput(servo.get_output_port_control(), "actuation")
         for i in range(ik.num_output_ports()):
             port = ik.get_output_port(i)
@@ -133,20 +143,17 @@ class FuzzyIkTorqueController(Diagram):
         builder.ExportOutput(guard.GetOutputPort("valid"), "valid")
         builder.BuildInto(self)
 
-    def _feed_back(self, builder: DiagramBuilder, n: int) -> None:
+    def _feed_back(self, builder: DiagramBuilder, measured: OutputPort) -> None:
         """The IK's position: its command plus what the plant's joints are off the reference."""
-        measured, desired = (
-            builder.AddNamedSystem(name, Demultiplexer(np.array([n, n])))
-            for name in ("measured_positions", "desired_positions")
-        )
+        n = measured.size()
+        desired = builder.AddNamedSystem("desired_positions", Demultiplexer(np.array([n, n])))
         minus = builder.AddNamedSystem("minus", Gain(-1.0, n))
         total = builder.AddNamedSystem("estimated_position", Adder(3, n))
-        builder.ConnectInput("estimated_state", measured.get_input_port())
         builder.Connect(self._reference.get_output_port(), desired.get_input_port())
         builder.Connect(desired.get_output_port(0), minus.get_input_port())
         for i, port in enumerate(
             (
-                measured.get_output_port(0),
+                measured,
                 minus.get_output_port(),
                 self._ik.GetOutputPort("commanded_position"),
             )
@@ -175,7 +182,8 @@ def AddFuzzyIkTorqueController(
     plant: MultibodyPlant,
     *,
     config: FuzzyIkConfig | None = None,
-    law: Law | None = None,
+    law: LawLike | None = None,
+    task: TaskKinematics | None = None,
     bandwidth: float = BANDWIDTH,
     acceleration_limits: float = ACCELERATION_LIMIT,
     name: str = "fuzzy_ik_torque_controller",
@@ -190,6 +198,7 @@ def AddFuzzyIkTorqueController(
             plant,
             config=config,
             law=law,
+            task=task,
             bandwidth=bandwidth,
             acceleration_limits=acceleration_limits,
         ),

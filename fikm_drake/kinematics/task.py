@@ -6,6 +6,8 @@ from fikm_drake.checks import check_positive_finite
 
 POSITION_TASKS = ("position", "xy", "xz", "yz", "x", "y", "z")
 TASKS = (*POSITION_TASKS, "orientation", "pose")
+CHARACTERISTIC_LENGTH = 0.3
+"""A turn of 1 rad counts as this much by default [m]."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,7 @@ class Task:
     """
 
     name: str = "position"
-    characteristic_length: float = 0.3
+    characteristic_length: float = CHARACTERISTIC_LENGTH
 
     def __post_init__(self) -> None:
         if self.name not in TASKS:

@@ -1,5 +1,7 @@
 """Damped least squares, the strongest ordinary alternative."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -8,18 +10,26 @@ from fikm_drake.checks import check_positive_finite
 from fikm_drake.laws.law import as_arrays
 
 
+@dataclass
 class DampedLeastSquares:
     """dθ = Jᵀ (J Jᵀ + λ² I)⁻¹ dr, a law `(J, dr) -> joint_step`.
 
-    Args:
-        damping: λ, in the unit of J (m for position rows).
+    Attributes:
+        damping: λ, in the unit of J (m for position rows); more is calmer and slower.
 
     Raises:
         ValueError: the damping is not positive and finite.
+
+    Example:
+        >>> import numpy as np, fikm_drake as fd
+        >>> fd.DampedLeastSquares(damping=1e-6)(np.diag([1.0, 2.0]), np.ones(2)).round(3).tolist()
+        [1.0, 0.5]
     """
 
-    def __init__(self, damping: float = 0.05) -> None:
-        self.damping = check_positive_finite("damping", damping, "unit of J")
+    damping: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_positive_finite("damping", self.damping, "unit of J")
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""

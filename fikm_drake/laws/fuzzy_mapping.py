@@ -1,7 +1,9 @@
 """The fuzzy inverse kinematic mapping: (J, dr) to a joint step (Xu & Nechyba 1993)."""
 
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import hypot, inf
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +19,7 @@ from fikm_drake.laws.rule_generation.generate import generate_rule_base
 METHODS = ("indirect", "direct")
 
 
+@dataclass
 class FuzzyMapping:
     """The fuzzy inverse kinematic mapping, a pure law `mapping(J, dr) -> joint_step`.
 
@@ -40,54 +43,57 @@ class FuzzyMapping:
     r_i to √(r_i² + (row_floor · max r)²): a direction in which the arm hardly moves is then pushed
     in proportion, not by the sign of what is left of it, and the law is continuous at c_j = 0.
 
-    Args:
+    Attributes:
         method: `indirect` or `direct`.
         iterations: of conjugate gradients; 1 is the paper's law.
         damping: of S [-], with `iterations` of 2 or more.
         row_floor: fraction of the largest row sum [-]; 0 as in the paper.
         column_floor: fraction of the largest column sum [-]; 0 as in the paper.
         zero_threshold: sums at or below this fraction of the largest row or column sum are zero [-].
-        jacobian_range: bounds of |J_ij| for `direct`, a number or (m,n): for an arm
-            `arm.jacobian_range()[rows]`; by default the range of Table II.
+        jacobian_range: bounds of |J_ij| for `direct`, a number or (m,n), such as
+            `arm.jacobian_range()[rows]`; None: that of the controller's arm and task, or alone that
+            of Table II, 1.5.
         dr_max: universe of dr for `direct`, ±dr_max [m] (equation 13).
         max_error: mean inference error at which rule generation stops [rad] (section 2.5).
         generation: method of `generate_rule_base`, `least_squares` or `araki`.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
+
+    Example:
+        >>> import numpy as np, fikm_drake as fd
+        >>> J = np.array([[-0.5, -0.2], [1.2, 0.4]])
+        >>> fd.FuzzyMapping()(J, np.array([0.0, 0.01])).round(4).tolist()
+        [0.0044, 0.0042]
     """
 
-    def __init__(
-        self,
-        method: str = "indirect",
-        *,
-        iterations: int = 1,
-        damping: float = 0.0,
-        row_floor: float = 0.0,
-        column_floor: float = 0.0,
-        zero_threshold: float = 1e-9,
-        jacobian_range: ArrayLike = 1.5,
-        dr_max: float = 0.1,
-        max_error: float = 0.0013,
-        generation: str = "least_squares",
-    ) -> None:
-        if method not in METHODS:
-            raise ValueError(f"method must be one of {METHODS}, got {method!r}")
-        check_counts(iterations=iterations)
-        self.zero_threshold = check_below_one("zero_threshold", zero_threshold)
-        self.damping = check_not_negative("damping", damping)
-        self.row_floor = check_not_negative("row_floor", row_floor)
-        self.column_floor = check_not_negative("column_floor", column_floor)
-        if damping and iterations < 2:
+    method: str = "indirect"
+    iterations: int = 1
+    damping: float = 0.0
+    row_floor: float = 0.0
+    column_floor: float = 0.0
+    zero_threshold: float = 1e-9
+    jacobian_range: np.ndarray | None = field(default=None, compare=False)
+    dr_max: float = 0.1
+    max_error: float = 0.0013
+    generation: str = "least_squares"
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise ValueError(f"method must be one of {METHODS}, got {self.method!r}")
+        check_counts(iterations=self.iterations)
+        check_below_one("zero_threshold", self.zero_threshold)
+        for name in ("damping", "row_floor", "column_floor"):
+            check_not_negative(name, getattr(self, name))
+        floors = bool(self.row_floor or self.column_floor)
+        if self.damping and self.iterations < 2:
             raise ValueError("damping needs iterations of 2 or more: the paper's law has none")
-        if method == "direct" and (iterations > 1 or row_floor or column_floor):
+        if self.method == "direct" and (self.iterations > 1 or floors):
             raise ValueError("iterations and floors are of method 'indirect', not of 'direct'")
-        self.method = method
-        self.iterations = iterations
-        self._plain = iterations == 1 and not row_floor and not column_floor
-        if method == "indirect":
+        self._plain = self.iterations == 1 and not floors
+        if self.method == "indirect":
             return
-        self._range = np.array(jacobian_range, dtype=float)
+        self._range = np.array(1.5 if self.jacobian_range is None else self.jacobian_range, float)
         if not (np.isfinite(self._range).all() and (self._range >= 0).all()):
             raise ValueError(
                 f"jacobian_range must be finite and not negative, got {self._range.tolist()}; "
@@ -96,7 +102,9 @@ class FuzzyMapping:
         # Ranges that differ by rounding only are one; a range of zero needs no rules.
         self._rounded = np.round(self._range, 9)
         self._rules = {
-            j_max: generate_rule_base(j_max, method=generation, max_error=max_error, dr_max=dr_max)
+            j_max: generate_rule_base(
+                j_max, method=self.generation, max_error=self.max_error, dr_max=self.dr_max
+            )
             for j_max in np.unique(self._rounded[self._rounded > 0]).tolist()
         }
 
@@ -213,3 +221,26 @@ class FuzzyMapping:
 
 
 _ones = cache(np.ones)
+
+
+def fit_to_range(law: Any, task: Any) -> Any:
+    """A `direct` mapping whose range was left open, with rules for that of a task; else the law.
+
+    Args:
+        law: any law.
+        task: has `jacobian_range()`, bounds of |J_ij| (m,n).
+
+    Raises:
+        ValueError: the task knows no bounds of its Jacobian.
+    """
+    if (
+        not isinstance(law, FuzzyMapping)
+        or law.method != "direct"
+        or law.jacobian_range is not None
+    ):
+        return law
+    if not hasattr(task, "jacobian_range"):
+        raise ValueError(
+            f"method 'direct' needs jacobian_range: {type(task).__name__} knows no bounds of its J"
+        )
+    return replace(law, jacobian_range=task.jacobian_range())

@@ -1,8 +1,8 @@
 """Fuzzy resolved motion rate control: (J, dr) to a joint step, joint by joint (Kim & Lee 1993)."""
 
+from dataclasses import dataclass, field
 from math import sqrt
 from operator import mul
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +22,7 @@ CHUNK = 2048
 """Cases that fit a core's cache."""
 
 
+@dataclass
 class FuzzyRateControl:
     """Fuzzy resolved motion rate control, a law `(J, dr) -> joint_step`.
 
@@ -44,7 +45,7 @@ class FuzzyRateControl:
     - `paper` takes the largest over the rows (Zadeh's OR), as we read the paper: each row is cut at
       D, the step can go the wrong way, and the error dies away more slowly.
 
-    Args:
+    Attributes:
         variant: `smooth` or `paper`.
         gain: of each joint's step, in (0, 2) [-]. More leaves less of the error, and the joints travel
             farther. None: 1.4 for `paper`; for `smooth` 1.3, but 1 for one sweep without `reach`.
@@ -56,39 +57,56 @@ class FuzzyRateControl:
 
     Raises:
         ValueError: naming the bad value and the valid ones.
+
+    Example:
+        >>> import numpy as np, fikm_drake as fd
+        >>> law = fd.FuzzyRateControl(sweeps=3)
+        >>> law(np.diag([1.0, 2.0]), np.array([0.01, 0.02])).round(3).tolist()
+        [0.01, 0.01]
     """
 
-    def __init__(
-        self,
-        variant: str = "smooth",
-        *,
-        gain: float | None = None,
-        sweeps: int = 1,
-        reach: ArrayLike | None = None,
-        floor: float = 0.25,
-        error_range: float = 0.1,
-    ) -> None:
-        if variant not in INFERENCE:
-            raise ValueError(f"variant must be one of {tuple(INFERENCE)}, got {variant!r}")
-        if gain is None:  # the paper gives none
-            exact = sweeps == 1 and reach is None
-            gain = 1.4 if variant == "paper" else 1.0 if exact else 1.3
-        check_counts(sweeps=sweeps)
+    variant: str = "smooth"
+    gain: float | None = None
+    sweeps: int = 1
+    reach: np.ndarray | None = field(default=None, compare=False)
+    floor: float = 0.25
+    error_range: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.variant not in INFERENCE:
+            raise ValueError(f"variant must be one of {tuple(INFERENCE)}, got {self.variant!r}")
+        check_counts(sweeps=self.sweeps)
         stable = "in (0, 2), beyond is not stable"
-        self.variant = variant
-        self.gain = check_number("gain", gain, stable, lambda x: 0.0 < x < 2.0)
-        self.sweeps = sweeps
-        self.floor = check_number("floor", floor, "in (0, 1]", lambda x: 0.0 < x <= 1.0)
-        self.error_range = check_positive_finite("error_range", error_range, "m")
-        self.reach = None if reach is None else _checked_reach(reach)
-        self._many, self._one = INFERENCE[variant]
-        self._shorten = variant == "smooth"
-        self._floors: list[float] = np.geomspace(self.floor, 1.0, sweeps)[::-1].tolist()
+        check_number("gain", self.joint_gain, stable, lambda x: 0.0 < x < 2.0)
+        check_number("floor", self.floor, "in (0, 1]", lambda x: 0.0 < x <= 1.0)
+        check_positive_finite("error_range", self.error_range, "m")
+        if self.reach is not None:
+            self.reach = _checked_reach(self.reach)
+        self._many, self._one = INFERENCE[self.variant]
+        self._gain = self.joint_gain
+        self._shorten = self.variant == "smooth"
+        self._floors: list[float] = np.geomspace(self.floor, 1.0, self.sweeps)[::-1].tolist()
         self._reaches: list[float] = [] if self.reach is None else self.reach.tolist()
+
+    @property
+    def joint_gain(self) -> float:
+        """The gain of each joint's step [-]: `gain`, or what it is by default; the paper gives none."""
+        if self.gain is not None:
+            return self.gain
+        exact = self.sweeps == 1 and self.reach is None
+        return 1.4 if self.variant == "paper" else 1.0 if exact else 1.3
 
     @classmethod
     def for_arm(
-        cls, arm: DhArm, variant: str = "smooth", *, task: str | Task = "position", **options: Any
+        cls,
+        arm: DhArm,
+        variant: str = "smooth",
+        *,
+        task: str | Task = "position",
+        gain: float | None = None,
+        sweeps: int = 1,
+        floor: float = 0.25,
+        error_range: float = 0.1,
     ) -> "FuzzyRateControl":
         """The law with the universes L_k of an arm, the lengths that its columns can reach.
 
@@ -96,13 +114,17 @@ class FuzzyRateControl:
             arm: the arm.
             variant: `smooth` or `paper`.
             task: the rows that count, as of the controller.
-            options: as of the constructor, but for `reach`.
+            gain: as of the class.
+            sweeps: as of the class.
+            floor: as of the class.
+            error_range: as of the class [m].
 
         Raises:
             ValueError: a prismatic joint without limits makes a reach infinite, or as above.
         """
         task = task if isinstance(task, Task) else Task(task)
-        return cls(variant, reach=column_reach(arm.jacobian_range(), task), **options)
+        reach = column_reach(arm.jacobian_range(), task)
+        return cls(variant, gain, sweeps, reach, floor, error_range)
 
     @property
     def rules(self) -> RuleBase:
@@ -156,7 +178,7 @@ class FuzzyRateControl:
             inverses = 1.0 / np.maximum(universes, floor * largest)
             for column, inverse, total in zip(columns, inverses, steps):
                 step = self._many(column, error, inverse, D)
-                step *= self.gain
+                step *= self._gain
                 total += step
                 error -= column * step
         return steps
@@ -164,7 +186,7 @@ class FuzzyRateControl:
     def step(self, J: Array, dr: Array) -> Array:
         """As `law(J, dr)` for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
         columns, error = J.T.tolist(), dr.tolist()
-        D, gain, infer = self.error_range, self.gain, self._one
+        D, gain, infer = self.error_range, self._gain, self._one
         if self._shorten:
             size = max(map(abs, error))
             if size > D:

@@ -1,5 +1,7 @@
 """The Jacobian transpose with the step length that is best along it."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -7,8 +9,15 @@ from fikm_drake.arrays import Array
 from fikm_drake.laws.law import as_arrays
 
 
+@dataclass
 class JacobianTranspose:
-    """dθ = α Jᵀ dr with the α that leaves the least |dr − J dθ|, a law `(J, dr) -> joint_step`."""
+    """dθ = α Jᵀ dr with the α that leaves the least |dr − J dθ|, a law `(J, dr) -> joint_step`.
+
+    Example:
+        >>> import numpy as np, fikm_drake as fd
+        >>> fd.JacobianTranspose()(np.eye(2), np.ones(2)).tolist()
+        [1.0, 1.0]
+    """
 
     def __call__(self, J: ArrayLike, dr: ArrayLike) -> Array:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""

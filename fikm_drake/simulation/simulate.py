@@ -10,6 +10,7 @@ from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, Vector
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_torque_controller import AddFuzzyIkTorqueController
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.law import Law
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
@@ -112,7 +113,7 @@ def _collect(
     N = min(len(series) for series in data.values())
     data = {name: series[:N] for name, series in data.items()}
     q = np.concatenate([data["position"][1:], [last]])[:, : len(scenario.start())]
-    coordinates = scenario.controller_config().make_task().coordinates
+    coordinates = Task(scenario.controller_config().task).coordinates
     actual = scenario.load_arm().forward_kinematics(q)[:, coordinates, 3]
     return TrackingLog(
         scenario=scenario,

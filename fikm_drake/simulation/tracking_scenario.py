@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial, Trajectory
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_bandwidth, check_not_negative
+from fikm_drake.checks import check_bandwidth, check_not_negative, check_position
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import find_model, load_model
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.systems.joint_integrator import check_position
 
 PROFILES = ("constant", "cubic")
 TASKS_BY_SIZE = {2: "xy", 3: "position"}

@@ -9,6 +9,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from fikm_drake.files import write_whole
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.task import Task
 from fikm_drake.simulation.tracking_log import TrackingLog
 
 FRAMES_PER_SECOND = 50.0
@@ -54,7 +55,7 @@ def write_html(log: TrackingLog, path: str | Path, *, meshcat: Meshcat | None = 
 def _in_space(log: TrackingLog, points: np.ndarray) -> np.ndarray:
     """Points (N,3) of task coordinates (N,m), those that do not count zero."""
     space = np.zeros((len(points), 3))
-    space[:, log.scenario.controller_config().make_task().coordinates] = points
+    space[:, Task(log.scenario.controller_config().task).coordinates] = points
     return space
 
 

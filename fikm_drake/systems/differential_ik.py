@@ -7,12 +7,13 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.steps import all_finite
-from fikm_drake.kinematics.task import Task
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
+from fikm_drake.laws import LawLike, checked_law
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
-from fikm_drake.laws.law import Law, takes_damping
-from fikm_drake.systems.safe_steps import make_safe_step
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.laws.law import takes_damping
 from fikm_drake.systems.valid_port import declare_valid_port
 
 MOST_DAMPING = 1e154
@@ -20,7 +21,7 @@ MOST_DAMPING = 1e154
 
 
 class DifferentialIk(LeafSystem):
-    """Differential inverse kinematics by the fuzzy mapping.
+    """Differential inverse kinematics by any law, by default the fuzzy mapping.
 
     .. pydrake_system::
 
@@ -44,9 +45,9 @@ class DifferentialIk(LeafSystem):
 
     Args:
         plant: a finalized plant; it is not copied.
-        law: the mapping (J, dr) to a joint step; by default the paper's.
+        law: the mapping (J, dr) to a joint step, see `Law`; by default the paper's.
         frame: name of the tool's frame.
-        task: the coordinates that count, see `Task`.
+        task: a name, see `FuzzyIkConfig.task`, or an object, see `TaskKinematics`.
         guarded: whether there is the port `guard`.
         damped: whether there is the port `damping`; the law must take it, see `Law`.
         max_joint_step: a longer joint step is shortened to this length [rad or m].
@@ -59,16 +60,22 @@ class DifferentialIk(LeafSystem):
             `control.safe_step`; 0: the arm stays there.
 
     Raises:
-        ValueError: naming the bad value; see `ToolKinematics` and `Task` too.
+        ValueError: naming the bad value; see `PlantArm` and `TaskKinematics` too.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> plant = fd.MakeDhArmPlant(fd.load_arm("planar4"))
+        >>> fd.DifferentialIk(plant, law=fd.DampedLeastSquares(), task="xy").num_input_ports()
+        2
     """
 
     def __init__(
         self,
         plant: MultibodyPlant,
         *,
-        law: Law | None = None,
+        law: LawLike | None = None,
         frame: str = "tool",
-        task: str | Task = "position",
+        task: str | TaskKinematics = "position",
         guarded: bool = False,
         damped: bool = False,
         max_joint_step: float = inf,
@@ -78,12 +85,13 @@ class DifferentialIk(LeafSystem):
         singularity_nudge: float = 0.0,
     ) -> None:
         super().__init__()
-        self._kinematics = make_tool_kinematics(plant, frame, task)
-        law = law or FuzzyMapping()
+        self._task = as_task(plant, frame, task)
+        arm, m = self._task.arm, self._task.size
+        law = checked_law(law or FuzzyMapping(), m, arm.num_joints)
         if damped and not takes_damping(law):
             raise ValueError(f"damped needs a law that takes damping, {law!r} does not")
         self._safe_step = make_safe_step(
-            self._kinematics,
+            arm,
             law,
             max_joint_step=max_joint_step,
             limit_margin=limit_margin,
@@ -91,14 +99,13 @@ class DifferentialIk(LeafSystem):
             nominal_position=nominal_position,
             singularity_nudge=singularity_nudge,
         )
-        n = self._kinematics.num_joints
+        n = arm.num_joints
         self._hold = np.zeros(n)
-        m = self._kinematics.task.size
         self._error = self.DeclareVectorInputPort("task_error", m).Eval
         self._position = self.DeclareVectorInputPort("position", n).Eval
         self._guard = None
         if guarded:
-            self._guard = self._kinematics.declare_desired(self, "guard").Eval
+            self._guard = self._task.declare_target(self, "guard").Eval
         self._damping = self.DeclareVectorInputPort("damping", 1).Eval if damped else None
         self.DeclareVectorOutputPort(
             "joint_step",
@@ -111,10 +118,10 @@ class DifferentialIk(LeafSystem):
     def _calc_step(self, context: Context, output: BasicVector) -> None:
         error = self._error(context)
         damping = float(self._damping(context)[0]) if self._damping else None
-        lost = self._guard is not None and not self._kinematics.is_finite(self._guard(context))
+        lost = self._guard is not None and not self._task.is_finite(self._guard(context))
         lost = lost or (damping is not None and not abs(damping) < MOST_DAMPING)
         if lost or not all_finite(error):
             output.set_value(self._hold)
             return
         q = self._position(context)
-        output.set_value(self._safe_step(q, self._kinematics.jacobian(q), error, damping))
+        output.set_value(self._safe_step(q, self._task.jacobian(q), error, damping))

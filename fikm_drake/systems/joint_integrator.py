@@ -7,9 +7,11 @@ from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_period
+from fikm_drake.checks import check_limits, check_period, check_position
 from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.status import follows
 from fikm_drake.control.steps import all_finite
+from fikm_drake.systems.start import declare_start, mark_placed
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -21,20 +23,27 @@ class JointIntegrator(LeafSystem):
         name: JointIntegrator
         input_ports:
         - joint_step
+        - estimated_position
         output_ports:
         - position
         - velocity
         - valid
+        - following
         - limited
         - motion
 
     - **joint_step** (n) [rad or m]: of this cycle.
+    - **estimated_position** (n) [rad or m], may stay unconnected: the robot's joints, where the command
+      starts in the initialization event. Without it the start is that of `SetPositions`; without
+      that `initial_position`, with a warning.
     - **position** (n) [rad or m]: the command, from the state.
     - **velocity** (n) [rad/s or m/s]: the last change of the command over the period, from the state.
-    - **valid** (1): 1 while the input is finite, else 0. An input that is not finite counts as zeros.
+    - **valid** (1): 1 while `joint_step` is finite, else 0. A step that is not finite counts as zeros.
     - **limited** (1): 1 while a limit of position, speed or acceleration takes away a part of
       `joint_step`, else 0.
     - **motion** (n) [rad or m]: what of `joint_step` is done, by which the command changes in this cycle.
+    - **following** (1): 1 while `estimated_position` is within `following_distance` of the command or
+      unconnected, else 0.
 
     Args:
         lower: lower limits (n,) [rad or m]; −inf for none.
@@ -44,9 +53,16 @@ class JointIntegrator(LeafSystem):
         velocity_limits: largest speed, one for all joints or (n,) [rad/s or m/s].
         acceleration_limits: largest acceleration, one for all joints or (n,) [rad/s² or m/s²]; the
             command then brakes before the position limits and before its own end.
+        following_distance: how far a joint (n,) that follows can be from its command [rad or m].
 
     Raises:
         ValueError: naming the bad value.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> block = fd.JointIntegrator([-1, -1], [1, 1], period=0.02, initial_position=[0, 0])
+        >>> block.GetInputPort("joint_step").size()
+        2
     """
 
     def __init__(
@@ -58,6 +74,7 @@ class JointIntegrator(LeafSystem):
         initial_position: ArrayLike,
         velocity_limits: ArrayLike = inf,
         acceleration_limits: ArrayLike = inf,
+        following_distance: ArrayLike = inf,
     ) -> None:
         super().__init__()
         self._lower, self._upper = check_limits(lower, upper)
@@ -78,6 +95,16 @@ class JointIntegrator(LeafSystem):
         self.DeclareStateOutputPort("position", position)
         self.DeclareStateOutputPort("velocity", velocity)
         declare_valid_port(self)
+        estimated = self.DeclareVectorInputPort("estimated_position", n)
+        self._estimated = estimated
+        self._distance = np.broadcast_to(np.asarray(following_distance, dtype=float), (n,))
+        declare_start(self, estimated, _start)
+        self.DeclareVectorOutputPort(
+            "following",
+            1,
+            self._calc_following,
+            prerequisites_of_calc={estimated.ticket(), self.xd_ticket()},
+        )
         self.DeclareVectorOutputPort(
             "limited",
             1,
@@ -106,6 +133,11 @@ class JointIntegrator(LeafSystem):
         step = self._step(context)
         output[0] = all_finite(step) and self._limits.limits(q, step, velocity)
 
+    def _calc_following(self, context: Context, output: BasicVector) -> None:
+        command = context.get_discrete_state(0).value()
+        known = self._estimated.HasValue(context)
+        output[0] = not known or follows(command, self._estimated.Eval(context), self._distance)
+
     def _after(self, context: Context, position: Array, velocity: Array) -> Array:
         step = self._step(context)
         if not all_finite(step):
@@ -133,25 +165,9 @@ def set_command(system: LeafSystem, context: Context, position: Array) -> None:
     system.ValidateContext(context)
     context.SetDiscreteState(0, position)
     context.SetDiscreteState(1, np.zeros(len(position)))
+    mark_placed(context)
 
 
-def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
-    """Lower and upper limits as arrays; ValueError unless they are vectors with lower ≤ upper."""
-    lower, upper = np.array(lower, dtype=float), np.array(upper, dtype=float)
-    if lower.ndim != 1 or lower.shape != upper.shape or not lower.size:
-        raise ValueError(f"lower and upper must be (n,), got {lower.shape} and {upper.shape}")
-    if not (lower <= upper).all():
-        raise ValueError(f"lower must not exceed upper, got {lower.tolist()}, {upper.tolist()}")
-    return lower, upper
-
-
-def check_position(
-    position: ArrayLike, lower: Array, upper: Array, *, name: str = "joint position"
-) -> Array:
-    """The joint position (n,); ValueError, naming the joint, unless it is finite and inside limits."""
-    position = np.array(position, dtype=float)
-    if position.shape != lower.shape or not np.isfinite(position).all():
-        raise ValueError(f"{name} must be {len(lower)} finite numbers, got {position.tolist()}")
-    for j in np.flatnonzero((position < lower) | (position > upper)):
-        raise ValueError(f"{name} {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}")
-    return position
+def _start(discrete_state: DiscreteValues, position: Array) -> None:
+    discrete_state.set_value(0, position)
+    discrete_state.set_value(1, np.zeros(len(position)))

@@ -7,10 +7,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from fikm_drake.checks import check_counts, check_period, check_positive, check_positive_finite
+from fikm_drake.arrays import Array
+from fikm_drake.checks import (
+    check_counts,
+    check_period,
+    check_position,
+    check_positive,
+    check_positive_finite,
+)
 from fikm_drake.control.follow import follow
 from fikm_drake.control.steps import all_finite
-from fikm_drake.systems.joint_integrator import check_position
+from fikm_drake.systems.start import declare_start, mark_placed
 
 
 class JointReference(LeafSystem):
@@ -22,11 +29,14 @@ class JointReference(LeafSystem):
         input_ports:
         - commanded_position
         - commanded_velocity
+        - estimated_position
         output_ports:
         - desired_state
 
     - **commanded_position** (n) [rad or m]: new at the start of each period.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
+    - **estimated_position** (n) [rad or m], may stay unconnected: the robot's joints, where the
+      reference starts in the initialization event. Without it the start is that of `SetPositions`.
     - **desired_state** (2n) [q; v]: follows, within the limits of velocity and acceleration, the
       straight line that reaches the commanded position at the end of the period with the commanded
       velocity (a first-order hold); from the state. While an input is not finite it comes to rest.
@@ -41,9 +51,18 @@ class JointReference(LeafSystem):
         time_step: of the inner loop [s].
         velocity_limits: (n,) [rad/s or m/s]; inf for none.
         acceleration_limits: of every joint, finite [rad/s² or m/s²].
+        initial_position: (n,) [rad or m]; zeros by default.
 
     Raises:
         ValueError: naming the bad value.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> block = fd.JointReference(
+        ...     2, period=0.02, time_step=1e-3, velocity_limits=[2, 2], acceleration_limits=20
+        ... )
+        >>> block.GetOutputPort("desired_state").size()
+        4
     """
 
     def __init__(
@@ -54,6 +73,7 @@ class JointReference(LeafSystem):
         time_step: float,
         velocity_limits: ArrayLike,
         acceleration_limits: float,
+        initial_position: ArrayLike | None = None,
     ) -> None:
         super().__init__()
         check_counts(num_joints=num_joints)
@@ -74,7 +94,12 @@ class JointReference(LeafSystem):
         position = self.DeclareVectorInputPort("commanded_position", num_joints)
         velocity = self.DeclareVectorInputPort("commanded_velocity", num_joints)
         self._position, self._velocity = position.Eval, velocity.Eval
-        state = self.DeclareDiscreteState(2 * num_joints)
+        start = np.zeros(num_joints) if initial_position is None else initial_position
+        free = np.full(num_joints, np.inf)
+        start = check_position(start, -free, free, name="initial_position")
+        state = self.DeclareDiscreteState(np.concatenate([start, np.zeros(num_joints)]))
+        estimated = self.DeclareVectorInputPort("estimated_position", num_joints)
+        declare_start(self, estimated, _start)
         self.DeclareStateOutputPort("desired_state", state)
         self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.5 * time_step, self._update)
 
@@ -89,6 +114,7 @@ class JointReference(LeafSystem):
         position = check_position(position, -free, free)
         self.ValidateContext(context)
         context.SetDiscreteState(np.concatenate([position, np.zeros(self._n)]))
+        mark_placed(context)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         n = self._n
@@ -102,3 +128,7 @@ class JointReference(LeafSystem):
         else:
             target, target_velocity = state[:n].copy(), np.zeros(n)
         state[:n], state[n:] = self._follow(state[:n], state[n:], target, target_velocity)
+
+
+def _start(discrete_state: DiscreteValues, position: Array) -> None:
+    discrete_state.set_value(np.concatenate([position, np.zeros(len(position))]))

@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
 )
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_period
+from fikm_drake.checks import check_period, check_position
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.labvolt.follow_target import follow_target
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
@@ -20,7 +20,6 @@ from fikm_drake.solvers.labvolt.geometry import MODEL
 from fikm_drake.solvers.labvolt.program import make_solver
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, check_tolerance
-from fikm_drake.systems.joint_integrator import check_position
 
 
 class LabVoltIk(LeafSystem):

@@ -5,10 +5,9 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
-from fikm_drake.checks import check_period
+from fikm_drake.checks import check_period, check_position
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import ResolutionStatus
-from fikm_drake.systems.joint_integrator import check_position
 
 
 class RedundancyIk(LeafSystem):

@@ -7,11 +7,10 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.checks import check_period, check_positive
-from fikm_drake.control.restart_search import RestartSearch
+from fikm_drake.control.restart_search import make_restart_search
 from fikm_drake.control.steps import all_finite, length
-from fikm_drake.kinematics.task import Task
-from fikm_drake.systems.tool_kinematics import ToolKinematics
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -42,7 +41,7 @@ class RestartPlanner(LeafSystem):
         plant: a finalized plant; it is not copied.
         period: of the control cycle [s].
         frame: name of the tool's frame.
-        task: the coordinates that count, see `Task`.
+        task: a name, see `FuzzyIkConfig.task`, or an object, see `TaskKinematics`.
         tolerance: a task error up to this is no reason for a restart search [m].
         speed: of the fastest joint on a restart search [rad/s or m/s].
 
@@ -56,18 +55,17 @@ class RestartPlanner(LeafSystem):
         *,
         period: float,
         frame: str = "tool",
-        task: str | Task = "position",
+        task: str | TaskKinematics = "position",
         tolerance: float = 1e-3,
         speed: float = 1.5,
     ) -> None:
         super().__init__()
-        self._kinematics = make_tool_kinematics(plant, frame, task)
-        self._restart = make_restart_search(
-            self._kinematics, period=period, tolerance=tolerance, speed=speed
-        )
-        n = self._kinematics.num_joints
+        self._task = as_task(plant, frame, task)
+        pace = check_positive("speed", speed) * check_period(period)
+        self._restart = make_restart_search(self._task, tolerance=tolerance, pace=pace)
+        n = self._task.arm.num_joints
         self._hold = np.zeros(n)
-        self._desired = self._kinematics.declare_desired(self).Eval
+        self._desired = self._task.declare_target(self).Eval
         self._position = self.DeclareVectorInputPort("position", n).Eval
         self._step = self.DeclareVectorInputPort("law_step", n).Eval
         self.DeclareDiscreteState(self._restart.initial_memory())
@@ -87,7 +85,7 @@ class RestartPlanner(LeafSystem):
         memory = context.get_discrete_state_vector().value()
         q, step = self._position(context), self._step(context)
         finite = all_finite(q) and all_finite(step)
-        if finite and self._kinematics.is_finite(self._desired(context)):
+        if finite and self._task.is_finite(self._desired(context)):
             output.set_value(self._restart.step(memory, q, step))
         else:
             output.set_value(self._hold)
@@ -98,26 +96,8 @@ class RestartPlanner(LeafSystem):
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
         desired, q, step = self._desired(context), self._position(context), self._step(context)
-        error = length(self._kinematics.error(desired, q))
+        error = length(self._task.error(desired, q))
         if isfinite(error) and all_finite(step):
             self._restart.remember(memory, desired, q, error)
         else:
             memory[:] = self._restart.initial_memory()
-
-
-def make_restart_search(
-    kinematics: ToolKinematics, *, period: float, tolerance: float, speed: float
-) -> RestartSearch:
-    """The restart search of a plant's arm; the arguments are those of `RestartPlanner`.
-
-    Raises:
-        ValueError: naming the bad value.
-    """
-    return RestartSearch(
-        kinematics.error_and_jacobian,
-        kinematics.task.size,
-        lower=kinematics.lower,
-        upper=kinematics.upper,
-        tolerance=check_positive("tolerance", tolerance),
-        pace=check_positive("speed", speed) * check_period(period),
-    )

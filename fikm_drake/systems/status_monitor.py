@@ -22,13 +22,14 @@ class StatusMonitor(LeafSystem):
         - limited
         - oscillating
         - calmed
+        - following
         - restart_search
         output_ports:
         - status
 
     - **task_error** (m) [m].
-    - **valid**, **limited**, **oscillating**, **calmed** (1 each): 0 or 1, from the blocks' ports
-      of these names.
+    - **valid**, **limited**, **oscillating**, **calmed**, **following** (1 each): 0 or 1, from the
+      blocks' ports of these names.
     - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
@@ -54,6 +55,7 @@ class StatusMonitor(LeafSystem):
                 "limited",
                 "oscillating",
                 "calmed",
+                "following",
                 *["restart_search"] * restart_search,
             )
         ]
@@ -66,7 +68,7 @@ class StatusMonitor(LeafSystem):
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         flags = [float(port.Eval(context)[0]) for port in self._flags]
-        valid, limited, oscillating, calmed = flags[:4]
+        valid, limited, oscillating, calmed, following = flags[:5]
         error = length(self._error.Eval(context))
         output[0] = controller_status(
             valid=bool(valid) and isfinite(sum(flags) + error),
@@ -75,5 +77,6 @@ class StatusMonitor(LeafSystem):
             limited=bool(limited),
             oscillating=bool(oscillating),
             calmed=bool(calmed),
-            restart_search=flags[4] if flags[4:] else RestartState.NONE,
+            following=bool(following),
+            restart_search=flags[5] if flags[5:] else RestartState.NONE,
         )

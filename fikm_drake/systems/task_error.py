@@ -5,9 +5,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.control.steps import all_finite
-from fikm_drake.kinematics.task import Task
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
-from fikm_drake.systems.valid_port import declare_valid_port
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
 
 
 class TaskError(LeafSystem):
@@ -24,54 +23,63 @@ class TaskError(LeafSystem):
         - target
         - valid
 
-    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. For tasks with
-      orientation **desired_pose** is in its place, a RigidTransform X_WE.
+    - **desired_position** (m) [m]: target of the tool's origin, in the world frame. Other tasks have
+      another port in its place: **desired_pose**, a RigidTransform X_WE, for those with orientation,
+      **desired_pointing** (6) for `PointingTask`, or whatever a task of one's own declares.
     - **position** (n) [rad or m]: the joints.
-    - **task_error** (m) [m]: desired minus actual, in the world frame, rows [ω; v], a rotation as
-      angle times axis times the characteristic length; zeros while an input is not finite.
-    - **target** (c) [m]: the target's coordinates, as `GainSupervisor` takes them: the position, or
-      the numbers of the pose, a rotation matrix times the characteristic length over √2; zeros while
-      they are not finite.
-    - **valid** (1): 1 while every input is finite, else 0.
+    - **task_error** (m) [m]: desired minus actual, see the task; zeros while it is not finite.
+    - **target** (c) [m]: the target's coordinates, as `GainSupervisor` takes them: see
+      `TaskKinematics.target_coordinates`; zeros while they are not finite.
+    - **valid** (1): 1 while the error is finite, else 0.
 
     Args:
         plant: a finalized plant; it is not copied.
         frame: name of the tool's frame.
-        task: the coordinates that count, see `Task`.
+        task: a name, see `FuzzyIkConfig.task`, or an object, see `TaskKinematics`.
 
     Raises:
-        ValueError: see `ToolKinematics` and `Task`.
+        ValueError: see `PlantArm` and `TaskKinematics`.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> plant = fd.MakeDhArmPlant(fd.load_arm("planar4"))
+        >>> fd.TaskError(plant, task="xy").GetOutputPort("task_error").size()
+        2
     """
 
     def __init__(
-        self, plant: MultibodyPlant, *, frame: str = "tool", task: str | Task = "position"
+        self,
+        plant: MultibodyPlant,
+        *,
+        frame: str = "tool",
+        task: str | TaskKinematics = "position",
     ) -> None:
         super().__init__()
-        self._kinematics = make_tool_kinematics(plant, frame, task)
-        self.num_coordinates = self._kinematics.num_coordinates
-        m = self._kinematics.task.size
-        self._zeros = np.zeros(m)
-        desired = self._kinematics.declare_desired(self)
-        position = self.DeclareVectorInputPort("position", self._kinematics.num_joints)
+        self._task = as_task(plant, frame, task)
+        self.num_coordinates = self._task.num_coordinates
+        self._zeros = np.zeros(self._task.size)
+        desired = self._task.declare_target(self)
+        position = self.DeclareVectorInputPort("position", self._task.arm.num_joints)
         self._desired, self._position = desired.Eval, position.Eval
+        inputs = {desired.ticket(), position.ticket()}
         self.DeclareVectorOutputPort(
-            "task_error",
-            m,
-            self._calc_error,
-            prerequisites_of_calc={desired.ticket(), position.ticket()},
+            "task_error", self._task.size, self._calc_error, prerequisites_of_calc=inputs
         )
         self.DeclareVectorOutputPort(
             "target",
-            self._kinematics.num_coordinates,
+            self._task.num_coordinates,
             self._calc_target,
             prerequisites_of_calc={desired.ticket()},
         )
-        declare_valid_port(self)
+        self.DeclareVectorOutputPort("valid", 1, self._calc_valid, prerequisites_of_calc=inputs)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:
-        error = self._kinematics.error(self._desired(context), self._position(context))
+        error = self._task.error(self._desired(context), self._position(context))
         output.set_value(error if all_finite(error) else self._zeros)
 
+    def _calc_valid(self, context: Context, output: BasicVector) -> None:
+        output[0] = all_finite(self._task.error(self._desired(context), self._position(context)))
+
     def _calc_target(self, context: Context, output: BasicVector) -> None:
-        target = self._kinematics.target_coordinates(self._desired(context))
+        target = self._task.target_coordinates(self._desired(context))
         output.set_value(target if all_finite(target) else np.zeros(len(target)))

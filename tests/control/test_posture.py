@@ -74,7 +74,7 @@ START = [0.2, -0.3, 0.4, 0.5, -0.2, 0.3, 0.1]
 @pytest.mark.parametrize("nominal", [[], [0.5, -0.2, 0.1, 0.4, 0.3, -0.4, 0.2]])
 def test_a_redundant_arm_goes_to_its_nominal_posture_at_rest(nominal):
     """As near as the task lets it: what is left of the pull is all of the task's rows."""
-    config = fd.FuzzyIkConfig(posture_gain=2.0, nominal_position=nominal, fused=True)
+    config = fd.FuzzyIkConfig(posture_rate=2.0, nominal_position=nominal, fused=True)
     log = self_motion("arm7", START, config, 12.0)
     assert np.linalg.norm(log.error, axis=1).max() < config.tolerance
     pull = (np.array(nominal) if nominal else np.zeros(7)) - log.q
@@ -92,7 +92,7 @@ def test_a_redundant_arm_goes_to_its_nominal_posture_at_rest(nominal):
 def test_the_gain_is_a_rate(rate):
     """Of a joint that the task leaves alone: exp(−gain · t), in Euler's steps."""
     start = [0.2, 0.6, 0.0, -1.4, 0.0, 1.0, 0.1]
-    config = fd.FuzzyIkConfig(posture_gain=2.0, nominal_position=[*start[:6], 1.1])
+    config = fd.FuzzyIkConfig(posture_rate=2.0, nominal_position=[*start[:6], 1.1])
     tool = fd.load_arm("iiwa14").forward_kinematics(start)[:3, 3].tolist()
     log = fd.simulate(
         fd.TrackingScenario(

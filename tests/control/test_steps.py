@@ -67,9 +67,11 @@ def test_status_is_the_first_that_holds():
         oscillating=True,
         calmed=True,
         restart_search=RestartState.UNDERWAY,
+        following=False,
     )
     changes = [
         {"valid": True},
+        {"following": True},
         {"error": 1.0},
         {"restart_search": RestartState.NONE},
         {"oscillating": False},
@@ -81,9 +83,9 @@ def test_status_is_the_first_that_holds():
     for change in changes:
         order.append(controller_status(**everything).name)
         everything |= change
-    expected = "INVALID_INPUT CONVERGED RESTART_SEARCH OSCILLATING CALMED LIMITED TRACKING"
-    assert order == expected.split()
-    assert len({int(status) for status in ControllerStatus}) == 8
+    expected = "INVALID_INPUT NOT_FOLLOWING CONVERGED RESTART_SEARCH OSCILLATING CALMED LIMITED"
+    assert order == [*expected.split(), "TRACKING"]
+    assert len({int(status) for status in ControllerStatus}) == len(ControllerStatus)
     everything |= {"error": 1e-3}
     assert controller_status(**everything) == ControllerStatus.CONVERGED
 

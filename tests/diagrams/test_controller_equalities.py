@@ -52,13 +52,13 @@ FUSED_RUNS = [
     ("table6_10s", {}),
     ("table6_5s", {}),
     ("table6_2s", {}),
-    ("table6_2s", {"method": "direct"}),
+    ("table6_2s", {"law": fd.FuzzyMapping("direct")}),
     ("large_step_2", {}),
     ("large_step_4", {}),
     ("panda_square", {}),
     ("panda_square", {"measured_position": True}),
-    ("panda_square", {"velocity_limits": 0.4, "acceleration_limits": 3.0, "posture_gain": 1.0}),
-    ("large_step_2", {"iterations": 2, "restart_search": True}),
+    ("panda_square", {"velocity_limits": [0.4], "acceleration_limits": [3.0], "posture_rate": 1.0}),
+    ("large_step_2", {"law": fd.FuzzyMapping(iterations=2), "restart_search": True}),
 ]
 
 
@@ -94,13 +94,11 @@ def test_fused_equals_the_diagram(name, changes, lost, plant_with, scenario_inpu
 
 EVERYTHING = {
     "restart_search": True,
-    "posture_gain": 0.5,
+    "posture_rate": 0.5,
     "limit_margin": 0.2,
-    "velocity_limits": 2.0,
-    "acceleration_limits": 20.0,
-    "iterations": 3,
-    "damping": 0.05,
-    "row_floor": 0.02,
+    "velocity_limits": [2.0],
+    "acceleration_limits": [20.0],
+    "law": fd.FuzzyMapping(iterations=3, damping=0.05, row_floor=0.02),
 }
 
 

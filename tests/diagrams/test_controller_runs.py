@@ -72,6 +72,9 @@ def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
     start = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785]
     series = run(plant_with("panda"), fd.FuzzyIkConfig(fused=fused), start, [[-0.6, 0.0, 0.1]] * 9)
     seen.setdefault(Status(int(series["status"][-1, 0])), "panda")
+    start, config = np.array(start), fd.FuzzyIkConfig(fused=fused)
+    far = run(plant_with("panda"), config, start, [[0.4, 0.0, 0.4]] * 2, lambda k, q: q + 0.9)
+    seen.setdefault(Status(int(far["status"][-1, 0])), "far from its command")
     assert set(seen) == set(Status)
 
 
@@ -123,12 +126,14 @@ def test_a_plant_with_two_arms(plant_with, run, fused, method):
     """Each arm by its own controller; the joints of the other rest."""
     plant = plant_with("arm7", "arm7")
     with pytest.raises(ValueError) as error:
-        fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(fused=fused, method=method))
+        fd.MakeFuzzyIkController(
+            plant, config=fd.FuzzyIkConfig(fused=fused, law=fd.FuzzyMapping(method))
+        )
     assert "arm7::tool" in str(error.value) and "arm7_1::tool" in str(error.value)
     desired = np.tile(TARGET, (150, 1))
     alone = run(plant_with("arm7"), fd.FuzzyIkConfig(fused=fused), Q0, desired)
     for frame, own, other in (("arm7::tool", 0, 7), ("arm7_1::tool", 7, 0)):
-        config = fd.FuzzyIkConfig(fused=fused, frame=frame, method=method)
+        config = fd.FuzzyIkConfig(fused=fused, frame=frame, law=fd.FuzzyMapping(method))
         series = run(plant, config, np.tile(Q0, 2), desired)
         q = series["commanded_position"]
         np.testing.assert_array_equal(q[:, other : other + 7], np.tile(Q0, (150, 1)))

@@ -9,7 +9,7 @@ from pydrake.systems.analysis import Simulator
 
 import fikm_drake as fd
 from fikm_drake.kinematics.task import Task
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.kinematics.tasks import as_task, make_task
 
 READY = [0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0]
 LENGTH = 0.3
@@ -45,7 +45,7 @@ def test_orientation_error_is_the_turn_to_the_target(plant, iiwa, angle):
     q, axis = np.array(READY), np.array([1.0, -2.0, 0.5]) / np.linalg.norm([1.0, -2.0, 0.5])
     T = iiwa.forward_kinematics(q)
     desired = RigidTransform(RotationMatrix(turned(axis, angle) @ T[:3, :3]), T[:3, 3] + 0.1)
-    error = make_tool_kinematics(plant, "tool", "pose").error(desired, q)
+    error = as_task(plant, "tool", "pose").error(desired, q)
     np.testing.assert_allclose(error[:3], LENGTH * angle * axis, atol=1e-7)
     np.testing.assert_allclose(error[3:], 0.1, atol=1e-12)
 
@@ -53,17 +53,17 @@ def test_orientation_error_is_the_turn_to_the_target(plant, iiwa, angle):
 def test_half_a_turn_is_one_of_the_two_axes(plant, iiwa):
     T = iiwa.forward_kinematics(READY)
     desired = RigidTransform(RotationMatrix(turned([0, 0, 1], np.pi) @ T[:3, :3]), T[:3, 3])
-    error = make_tool_kinematics(plant, "tool", "orientation").error(desired, np.array(READY))
+    error = as_task(plant, "tool", "orientation").error(desired, np.array(READY))
     np.testing.assert_allclose(np.abs(error), [0, 0, LENGTH * np.pi], atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["pose", "orientation", "position", "xz"])
 def test_jacobian_is_the_derivative_of_the_error(plant, iiwa, name):
-    kinematics = make_tool_kinematics(plant, "tool", Task(name, 0.7))
+    kinematics = make_task(fd.PlantArm(plant), name, 0.7)
     q, h = np.array(READY) + 0.1, 1e-6
     desired = pose_of(iiwa, q)
-    if not kinematics.task.turns:
-        desired = desired.translation()[kinematics.task.coordinates]
+    if name in ("position", "xz"):
+        desired = desired.translation()[Task(name).coordinates]
     numeric = np.stack(
         [
             (kinematics.error(desired, q - d) - kinematics.error(desired, q + d)) / (2 * h)
@@ -97,7 +97,10 @@ def output(controller, context, name):
 @pytest.mark.parametrize("task", ["pose", "orientation"])
 def test_reaches_poses_near_by(plant, iiwa, task, fused):
     config = fd.FuzzyIkConfig(
-        task=task, iterations=6, damping=0.01, row_floor=0.01, control_rate=100.0, fused=fused
+        task=task,
+        law=fd.FuzzyMapping(iterations=6, damping=0.01, row_floor=0.01),
+        control_rate=100.0,
+        fused=fused,
     )
     rng = np.random.default_rng(5)
     for _ in range(5):
@@ -117,7 +120,9 @@ def test_fused_equals_the_diagram(plant, iiwa):
     desired = pose_of(iiwa, np.array(READY) + 0.3)
     results = []
     for fused in (False, True):
-        config = fd.FuzzyIkConfig(task="pose", iterations=4, damping=0.05, fused=fused)
+        config = fd.FuzzyIkConfig(
+            task="pose", law=fd.FuzzyMapping(iterations=4, damping=0.05), fused=fused
+        )
         controller, context, _ = run(plant, config, desired, 1.0)
         names = ("commanded_position", "task_error", "joint_step")
         results.append([output(controller, context, name) for name in names])
@@ -128,7 +133,9 @@ def test_fused_equals_the_diagram(plant, iiwa):
 @pytest.mark.parametrize("fused", [False, True])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_a_lost_pose_holds_the_command(plant, iiwa, fused, bad):
-    config = fd.FuzzyIkConfig(task="pose", iterations=6, damping=0.01, fused=fused)
+    config = fd.FuzzyIkConfig(
+        task="pose", law=fd.FuzzyMapping(iterations=6, damping=0.01), fused=fused
+    )
     good = pose_of(iiwa, np.array(READY) + 0.2)
     controller, context, simulator = run(plant, config, good, 0.1)
     port = controller.GetInputPort("desired_pose")
@@ -148,7 +155,7 @@ def test_direct_mapping_of_a_pose(plant, iiwa):
     desired = pose_of(iiwa, np.array(READY) + 0.05)
     errors = []
     for method in ("indirect", "direct"):
-        config = fd.FuzzyIkConfig(task="pose", method=method)
+        config = fd.FuzzyIkConfig(task="pose", law=fd.FuzzyMapping(method))
         controller, context, _ = run(plant, config, desired, 2.0)
         errors.append(np.linalg.norm(output(controller, context, "task_error")))
     assert errors[1] == pytest.approx(errors[0], rel=0.3)

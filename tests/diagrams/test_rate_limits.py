@@ -20,7 +20,9 @@ WANTED = ("commanded_position", "commanded_velocity", "task_error", "status")
 def test_no_cycle_moves_further_than_the_longest_step(calming, plant_with, run, fused):
     """Two iterations at a stretched arm ask for far more."""
     supervisor = fd.GainSupervisorConfig(calming=calming)
-    config = fd.FuzzyIkConfig(iterations=2, fused=fused, task="xy", supervisor=supervisor)
+    config = fd.FuzzyIkConfig(
+        law=fd.FuzzyMapping(iterations=2), fused=fused, task="xy", supervisor=supervisor
+    )
     moved = {}
     for longest in (0.5, np.inf):
         each = replace(config, max_joint_step=longest)
@@ -64,7 +66,7 @@ def largest(series):
 )
 def test_a_fast_target_is_chased_within_the_limits(velocity, acceleration, plant, run, fused):
     config = fd.FuzzyIkConfig(
-        fused=fused, velocity_limits=velocity, acceleration_limits=acceleration
+        fused=fused, velocity_limits=[velocity], acceleration_limits=[acceleration]
     )
     free = run(plant, fd.FuzzyIkConfig(fused=fused), Q0, chase(), only=WANTED)
     assert (largest(free) > np.array([[velocity], [acceleration]])).any()
@@ -77,7 +79,7 @@ def test_a_fast_target_is_chased_within_the_limits(velocity, acceleration, plant
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"iterations": 3, "damping": 0.05}, {"restart_search": True}]
+    "options", [{}, {"law": fd.FuzzyMapping(iterations=3, damping=0.05)}, {"restart_search": True}]
 )
 def test_the_arm_brakes_before_its_joint_limits(options, plant_with, run):
     """A panda, driven round behind itself, where joints reach their limits."""
@@ -85,7 +87,7 @@ def test_the_arm_brakes_before_its_joint_limits(options, plant_with, run):
     angle = np.linspace(0, 2 * np.pi, 400)[:, None]
     desired = np.array([0.2, 0.0, 0.5]) + 0.9 * np.hstack([np.cos(angle), np.sin(angle), 0 * angle])
     config = fd.FuzzyIkConfig(
-        fused=True, velocity_limits=1.0, acceleration_limits=5.0, limit_margin=0.0, **options
+        fused=True, velocity_limits=[1.0], acceleration_limits=[5.0], limit_margin=0.0, **options
     )
     start = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
     series = run(plant_with("panda"), config, start, desired, only=WANTED)
@@ -117,7 +119,7 @@ def test_the_plant_s_own_limits_count(run, fused):
     speeds, accelerations = largest(series)
     assert (speeds <= velocity + 1e-9).all() and (accelerations <= acceleration + 1e-6).all()
     assert (accelerations > 0.9 * acceleration).any()
-    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=0.7, acceleration_limits=4.0)
+    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=[0.7], acceleration_limits=[4.0])
     speeds, accelerations = largest(run(plant, config, Q0, chase(), only=WANTED))
     assert (speeds <= np.minimum(velocity, 0.7) + 1e-9).all()
     assert (accelerations <= np.minimum(acceleration, 4.0) + 1e-6).all()
@@ -125,7 +127,7 @@ def test_the_plant_s_own_limits_count(run, fused):
 
 def test_a_lost_target_is_no_reason_to_break_them(plant, run, fused):
     """The arm brakes, stands, and goes on; the position is held once it stands."""
-    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=0.8, acceleration_limits=4.0)
+    config = fd.FuzzyIkConfig(fused=fused, velocity_limits=[0.8], acceleration_limits=[4.0])
     series = run(plant, config, Q0, chase(lost=(60, 100)), only=WANTED)
     speeds, accelerations = largest(series)
     assert speeds.max() <= 0.8 + 1e-9 and accelerations.max() <= 4.0 + 1e-6
@@ -142,7 +144,7 @@ def test_a_target_that_jumps_is_reached_as_without_a_limit(acceleration, step, p
     tool = fd.load_arm("arm7").forward_kinematics(Q0)[:3, 3]
     desired, most = np.tile(tool + step, (250, 1)), {}
     for limit in (np.inf, acceleration):
-        config = fd.FuzzyIkConfig(fused=True, acceleration_limits=limit)
+        config = fd.FuzzyIkConfig(fused=True, acceleration_limits=[limit])
         series = run(plant, config, Q0, desired, only=WANTED)
         most[limit] = (1 - series["task_error"] @ step / np.dot(step, step)).max()
         assert series["status"][-1] == Status.CONVERGED
@@ -151,7 +153,7 @@ def test_a_target_that_jumps_is_reached_as_without_a_limit(acceleration, step, p
 
 def test_set_positions_starts_from_rest(plant, fused):
     controller = fd.MakeFuzzyIkController(
-        plant, config=fd.FuzzyIkConfig(fused=fused, acceleration_limits=4.0)
+        plant, config=fd.FuzzyIkConfig(fused=fused, acceleration_limits=[4.0])
     )
     context = controller.CreateDefaultContext()
     controller.GetInputPort("desired_position").FixValue(context, CENTER)

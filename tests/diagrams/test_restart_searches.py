@@ -88,9 +88,7 @@ def test_random_poses_of_an_iiwa_are_reached(index, local, plant_with, run):
     pose = RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
     config = fd.FuzzyIkConfig(
         task="pose",
-        iterations=6,
-        damping=0.1,
-        row_floor=0.05,
+        law=fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
         control_rate=100.0,
         fused=True,
         restart_search=True,

@@ -97,7 +97,9 @@ def test_added_controller_is_connected_to_its_plant():
     arm = fd.load_arm("iiwa14")
     home = np.array([0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0])
     T = arm.forward_kinematics(home + 0.1)
-    config = fd.FuzzyIkConfig(task="pose", iterations=3, damping=0.1, row_floor=0.05)
+    config = fd.FuzzyIkConfig(
+        task="pose", law=fd.FuzzyMapping(iterations=3, damping=0.1, row_floor=0.05)
+    )
     builder = DiagramBuilder()
     plant = builder.AddSystem(MakeDhArmPlant(arm, time_step=1e-3))
     controller = fd.AddFuzzyIkTorqueController(builder, plant, config=config)

@@ -24,7 +24,7 @@ def test_scenarios_start_at_the_tool_as_a_plain_rate_loop(name):
     scenario = fd.load_scenario(name)
     tool = scenario.load_arm().forward_kinematics(scenario.start())[:2, 3]
     assert scenario.waypoints[0] == pytest.approx(tool, abs=1e-12)
-    assert scenario.config == fd.FuzzyIkConfig.resolved_rate()
+    assert scenario.config == fd.FuzzyIkConfig().resolved_rate()
 
 
 def test_line_has_the_cubic_profile_of_equation_16():

@@ -23,7 +23,7 @@ def simulate(name, **changes):
 def lines():
     """The three lines by both methods."""
     return {
-        (name, method): simulate(name, method=method)
+        (name, method): simulate(name, law=fd.FuzzyMapping(method))
         for name in TABLE_6
         for method in ("indirect", "direct")
     }

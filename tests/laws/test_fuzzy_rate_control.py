@@ -216,7 +216,7 @@ def test_seven_joints_in_the_main_controller_by_one_argument(name, fused):
         duration=2.0,
         hold=1.0,
         initial_position=start.tolist(),
-        config=fd.FuzzyIkConfig.resolved_rate(fused=fused),
+        config=fd.FuzzyIkConfig(fused=fused).resolved_rate(),
     )
     for law in (fd.FuzzyRateControl.for_arm(arm), fd.FuzzyRateControl(sweeps=3)):
         metrics = fd.simulate(scenario, law=law).metrics()
@@ -228,7 +228,7 @@ def test_follows_a_pose_in_the_main_controller():
     """Six rows; a turn counts with the characteristic length."""
     arm = fd.load_arm("iiwa14")
     law = fd.FuzzyRateControl(sweeps=6)
-    config = fd.FuzzyIkConfig.resolved_rate(task="pose", control_rate=100.0)
+    config = fd.FuzzyIkConfig(task="pose", control_rate=100.0).resolved_rate()
     controller = fd.MakeFuzzyIkController(MakeDhArmPlant(arm), config=config, law=law)
     simulator = Simulator(controller)
     context = simulator.get_mutable_context()
@@ -243,7 +243,7 @@ def test_follows_a_pose_in_the_main_controller():
 
 def test_resolved_rate_config_applies_the_laws_step_as_it_is():
     arm = fd.load_arm("kim_lee3r")
-    config = fd.FuzzyIkConfig.resolved_rate(task="xy")
+    config = fd.FuzzyIkConfig(task="xy").resolved_rate()
     law = fd.FuzzyRateControl(sweeps=2)
     controller = fd.MakeFuzzyIkController(MakeDhArmPlant(arm), config=config, law=law)
     context = controller.CreateDefaultContext()
@@ -253,4 +253,4 @@ def test_resolved_rate_config_applies_the_laws_step_as_it_is():
     controller.GetInputPort("desired_position").FixValue(context, target)
     step = controller.GetOutputPort("joint_step").Eval(context)
     np.testing.assert_allclose(step, law(arm.jacobian(q)[3:5], [0.03, -0.02]), rtol=1e-9)
-    assert fd.FuzzyIkConfig.resolved_rate(control_rate=200.0).control_rate == 200.0
+    assert fd.FuzzyIkConfig(control_rate=200.0).resolved_rate().control_rate == 200.0

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import fikm_drake as fd
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients
 
-SHARP = fd.FuzzyIkConfig.resolved_rate()
+SHARP = fd.FuzzyIkConfig().resolved_rate()
 LAWS = [
     fd.FuzzyMapping(),
     fd.FuzzyMapping(iterations=3),
@@ -84,7 +84,7 @@ def test_every_law_moves_the_arm_to_the_target(law):
 
 @pytest.mark.parametrize(("seconds", "limit"), [(10, 0.002), (5, 0.006), (2, 0.04)])
 def test_three_iterations_reach_the_pseudo_inverses_floor_on_table_6(seconds, limit):
-    config = dataclasses.replace(SHARP, iterations=3)
+    config = dataclasses.replace(SHARP, law=fd.FuzzyMapping(iterations=3))
     log = fd.simulate(dataclasses.replace(fd.load_scenario(f"table6_{seconds}s"), config=config))
     assert 100 * log.metrics().e_max <= limit
 

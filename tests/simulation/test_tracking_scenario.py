@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from fikm_drake import DhArm, FuzzyIkConfig, TrackingScenario, load_arm, load_scenario
+from fikm_drake import DhArm, FuzzyIkConfig, FuzzyMapping, TrackingScenario, load_arm, load_scenario
 from fikm_drake.resources import model_names
 
 LINE = [[0.2, -0.6, 0.6], [0.7, -0.35, -0.15]]
@@ -49,7 +49,7 @@ def test_table_6_scenarios_are_the_papers_line():
         {"initial_position": [0.1] * 7},
         {"waypoints": [LINE[0]]},
         {"config": FuzzyIkConfig(error_limit=np.inf)},
-        {"config": FuzzyIkConfig(method="direct", fused=True, error_limit=0.3)},
+        {"config": FuzzyIkConfig(law=FuzzyMapping("direct"), fused=True, error_limit=0.3)},
     ],
 )
 def test_round_trip_through_typed_yaml(changes):
@@ -112,7 +112,7 @@ def test_size_of_waypoints_chooses_the_task_and_the_rate_goes_to_the_config(poin
         ({"profile": "quintic"}, ["'quintic'", "constant", "cubic"]),
         ({"initial_position": [0.0] * 6}, ["7"]),
         ({"initial_position": [0.0] * 6 + [np.nan]}, ["nan"]),
-        ({"config": FuzzyIkConfig(method="magic")}, ["'magic'", "direct", "indirect"]),
+        ({"config": FuzzyIkConfig(task="magic")}, ["'magic'", "pose", "position"]),
         ({"config": FuzzyIkConfig(error_limit=0.0)}, ["error_limit", "0.0"]),
     ],
 )

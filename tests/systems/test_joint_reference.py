@@ -36,7 +36,7 @@ def reference_of(steps, step=STEP, **limits):
     builder.Connect(integrator.GetOutputPort("position"), reference.get_input_port(0))
     builder.Connect(integrator.GetOutputPort("velocity"), reference.get_input_port(1))
     sink = LogVectorOutput(reference.get_output_port(), builder, step)
-    builder.ExportInput(integrator.get_input_port(), "joint_step")
+    builder.ExportInput(integrator.GetInputPort("joint_step"), "joint_step")
     diagram = builder.Build()
     simulator = Simulator(diagram)
     root = simulator.get_mutable_context()

@@ -13,7 +13,7 @@ from pydrake.systems.primitives import ConstantVectorSource, LinearSystem, LogVe
 
 import fikm_drake as fd
 from fikm_drake.control.joint_limits import JointLimits
-from fikm_drake.control.status import ControllerStatus, controller_status
+from fikm_drake.control.status import controller_status
 from fikm_drake.control.steps import amplify
 
 AXES = {
@@ -168,11 +168,14 @@ def test_status_monitor(drive, flags, restart_search):
     inputs = {name: [float(value)] for name, value in (names | state).items()}
     flags = {name: bool(flag) for name, flag in names.items()} | state
     for calmed, error in itertools.product([0.0, 1.0], [0.0, 1e-3, 1.1e-3, 2.0]):
-        status = driver.cycle(task_error=[0.0, -error], calmed=[calmed], **inputs)["status"]
-        assert status == controller_status(
-            error=error, tolerance=1e-3, calmed=bool(calmed), **flags
-        )
-        assert ControllerStatus(int(status[0])) in ControllerStatus
+        for following in (True, False):
+            status = driver.cycle(
+                task_error=[0.0, -error], calmed=[calmed], following=[float(following)], **inputs
+            )["status"]
+            expected = controller_status(
+                error=error, tolerance=1e-3, calmed=bool(calmed), following=following, **flags
+            )
+            assert status == expected
 
 
 def test_gain_supervisor_is_the_law(drive):
@@ -347,7 +350,7 @@ def test_set_positions_refuses_the_context_of_another_system():
     ]
     source = builder.AddSystem(ConstantVectorSource([0.1]))
     for block in blocks:
-        builder.Connect(source.get_output_port(), block.get_input_port())
+        builder.Connect(source.get_output_port(), block.GetInputPort("joint_step"))
     diagram = builder.Build()
     root = diagram.CreateDefaultContext()
     with pytest.raises(RuntimeError):

@@ -18,14 +18,13 @@ from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.interleaved import interleaved
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.kinematics.task import Task
+from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.jacobian_transpose import JacobianTranspose
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
-from fikm_drake.systems.tool_kinematics import ToolKinematics
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 ARM, POSTURE = "iiwa14", (0.1, 0.6, -0.2, -1.4, 0.3, 1.0, 0.4)
 TASKS = {"position": 3, "pose": 6}
@@ -73,7 +72,7 @@ def cycle_benchmark(
     q = np.array(POSTURE)
     costs = []
     for i, (task, rows) in enumerate(TASKS.items()):
-        kinematics = make_tool_kinematics(plant, "tool", Task(task))
+        kinematics = as_task(plant, "tool", task)
         J = np.ascontiguousarray(kinematics.jacobian(q))
         for whole, calls in (
             (False, _laws(J, np.full(rows, 0.01))),
@@ -123,13 +122,13 @@ def _laws(J: Array, dr: Array) -> dict[str, Callable[[], Any]]:
     return {name: partial(law.step, J, dr) for name, law in laws().items()}
 
 
-def _cycles(kinematics: ToolKinematics, q: Array) -> dict[str, Callable[[], Any]]:
+def _cycles(kinematics: TaskKinematics, q: Array) -> dict[str, Callable[[], Any]]:
     """Each from joint positions and a target to a joint step."""
-    context = kinematics.plant.CreateDefaultContext()
-    kinematics.plant.SetPositions(context, q)
-    X = kinematics.plant.GetFrameByName("tool").CalcPoseInWorld(context)
+    context = kinematics.arm.plant.CreateDefaultContext()
+    kinematics.arm.plant.SetPositions(context, q)
+    X = kinematics.arm.plant.GetFrameByName("tool").CalcPoseInWorld(context)
     X = RigidTransform(X.rotation(), X.translation() + 0.01)
-    target = X if kinematics.task.turns else X.translation()
+    target = X if kinematics.size == 6 else X.translation()
 
     def cycle(law: Law) -> Callable[[], Any]:
         def call() -> Array:
@@ -142,15 +141,15 @@ def _cycles(kinematics: ToolKinematics, q: Array) -> dict[str, Callable[[], Any]
     return cycles | {DRAKE: _drake(kinematics, q, X)}
 
 
-def _drake(kinematics: ToolKinematics, q: Array, X: RigidTransform) -> Callable[[], Any]:
-    plant = kinematics.plant
+def _drake(kinematics: TaskKinematics, q: Array, X: RigidTransform) -> Callable[[], Any]:
+    plant = kinematics.arm.plant
     n = plant.num_positions()
     parameters = DifferentialInverseKinematicsParameters(n, n)
     parameters.set_time_step(PERIOD)
     parameters.set_nominal_joint_position(q)
-    limit = kinematics.velocity_limits
+    limit = kinematics.arm.velocity_limits
     parameters.set_joint_velocity_limits((-limit, limit))
-    if not kinematics.task.turns:
+    if kinematics.size == 3:
         parameters.set_end_effector_velocity_flag([False] * 3 + [True] * 3)
     context, frame = plant.CreateDefaultContext(), plant.GetFrameByName("tool")
 

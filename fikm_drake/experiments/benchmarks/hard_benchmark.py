@@ -14,16 +14,17 @@ from pydrake.multibody.inverse_kinematics import (
 )
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
 
 LAST = 50
 """Cycles at the end in which motion is measured [-]."""
@@ -76,11 +77,11 @@ def hard_benchmark(
 def loops() -> dict[str, Loop]:
     """The methods: a scenario to the joint positions (N,n) after each cycle."""
     gain_1 = GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3)
-    sharp = FuzzyIkConfig.resolved_rate(
-        iterations=3, damping=0.05, row_floor=0.05, supervisor=gain_1
-    )
+    sharp = FuzzyIkConfig(
+        law=FuzzyMapping(iterations=3, damping=0.05, row_floor=0.05), supervisor=gain_1
+    ).resolved_rate()
     return {
-        "fuzzy, as in the paper": partial(_ours, FuzzyIkConfig.as_in_paper()),
+        "fuzzy, as in the paper": partial(_ours, FuzzyIkConfig().as_in_paper()),
         "fuzzy, calm (default)": partial(_ours, FuzzyIkConfig()),
         "fuzzy, 3 iterations, unfiltered": partial(_ours, sharp),
         "damped least squares 0.05": partial(_plain, DampedLeastSquares(0.05)),
@@ -152,8 +153,8 @@ def _ours(config: FuzzyIkConfig, scenario: TrackingScenario) -> Array:
 def _plain(law: Law, scenario: TrackingScenario) -> Array:
     """A step a cycle for the whole error, inside the joint limits."""
     plant = MakeDhArmPlant(scenario.load_arm())
-    kinematics = make_tool_kinematics(plant, "tool", scenario.controller_config().make_task())
-    lower, upper = kinematics.lower, kinematics.upper
+    kinematics = as_task(plant, "tool", scenario.controller_config().task)
+    lower, upper = kinematics.arm.lower, kinematics.arm.upper
     q, positions = scenario.start(), []
     for target in _targets(scenario):
         error, J = kinematics.error_and_jacobian(target, q)

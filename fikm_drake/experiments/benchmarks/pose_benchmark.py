@@ -1,9 +1,9 @@
 """Poses of an arm with limits, reached in the loop, law beside law (`fikm-drake benchmark poses`)."""
 
+import dataclasses
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.common.value import Value
@@ -11,6 +11,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose, is_near
@@ -20,9 +21,9 @@ from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.laws.law import Law
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 ARM, HOME = "iiwa14", (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
 INSIDE = 1e-6
@@ -117,23 +118,20 @@ def table(poses: int, progress: Callable[[float], None]) -> BenchmarkTable:
 
 def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
     """Ours: a config, and a law in place of its fuzzy mapping."""
-
-    def config(**changes: Any) -> FuzzyIkConfig:
-        return FuzzyIkConfig(task="pose", control_rate=RATE, fused=True, **changes)
-
-    sharp = {"iterations": 6, "damping": 0.1, "row_floor": 0.05}
+    config = FuzzyIkConfig(task="pose", control_rate=RATE, fused=True)
+    sharp = dataclasses.replace(config, law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05))
     return {
-        "fuzzy, the paper's law": (config(), None),
-        "fuzzy, 6 iterations": (config(**sharp), None),
+        "fuzzy, the paper's law": (config, None),
+        "fuzzy, 6 iterations": (sharp, None),
         "fuzzy, 6 iterations, restart_search": (
-            config(**sharp, restart_search=True, restart_speed=3.0),
+            dataclasses.replace(sharp, restart_search=True, restart_speed=3.0),
             None,
         ),
         "rate control, 3 sweeps": (
-            FuzzyIkConfig.resolved_rate(task="pose", control_rate=RATE, fused=True),
+            config.resolved_rate(),
             FuzzyRateControl(sweeps=3),
         ),
-        "damped least squares 0.05 in our controller": (config(), DampedLeastSquares(0.05)),
+        "damped least squares 0.05 in our controller": (config, DampedLeastSquares(0.05)),
     }
 
 

@@ -1,7 +1,8 @@
 """Paper 5: a workplane before an arm, joint positions measured or computed there, and rules made of them.
 
 O. Tojo and T. Morishita, "Inverse Kinematics Algorithm based on Fuzzy Control Model", 2010. A point (x, y)
-of the workplane [mm] lies in a cell between two labels of x and two of y. With grades up to 255 of integer triangles,
+of the workplane [mm] lies in a cell between two labels of x and two of y. With grades up to 255 of
+integer triangles,
 
     w_ij = min(μ_i(x), μ_j(y))   or   μ_i(x) μ_j(y) / 255,   θ_k = Σ w_ij s_ijk / Σ w_ij
 

@@ -4,12 +4,12 @@ import dataclasses
 
 import numpy as np
 
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import load_scenario
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 LINE = "table6_2s"
 UNREACHABLE = "unreachable_4"
@@ -28,23 +28,24 @@ def _constant(gain: float) -> GainSupervisorConfig:
 
 def variants() -> dict[str, FuzzyIkConfig]:
     """The whole controller and what is left of it without its parts."""
-    paper = FuzzyIkConfig.as_in_paper
+    paper = FuzzyIkConfig().as_in_paper()
+    but = dataclasses.replace
     deaf = GainSupervisorConfig(calming=1.0)
     deaf.oscillating_gains = list(deaf.gains)
     return {
         "ours, calm": FuzzyIkConfig(),
-        "as in the paper": paper(),
-        "no fuzzy gain (K = 1)": paper(supervisor=_constant(1.0)),
-        "fixed gain K = 2.6": paper(supervisor=_constant(2.6)),
-        "no oscillation rule": paper(supervisor=deaf),
-        "no filter of the gain": paper(gain_smoothing=0.0),
-        "no filter of the error": paper(error_smoothing=0.0),
-        "no filters": paper(gain_smoothing=0.0, error_smoothing=0.0),
-        "none of section 2.7": paper(
-            supervisor=_constant(1.0), gain_smoothing=0.0, error_smoothing=0.0
+        "as in the paper": paper,
+        "no fuzzy gain (K = 1)": but(paper, supervisor=_constant(1.0)),
+        "fixed gain K = 2.6": but(paper, supervisor=_constant(2.6)),
+        "no oscillation rule": but(paper, supervisor=deaf),
+        "no filter of the gain": but(paper, gain_smoothing=0.0),
+        "no filter of the error": but(paper, error_smoothing=0.0),
+        "no filters": but(paper, gain_smoothing=0.0, error_smoothing=0.0),
+        "none of section 2.7": but(
+            paper, supervisor=_constant(1.0), gain_smoothing=0.0, error_smoothing=0.0
         ),
-        "K = 2.6 without filters": paper(
-            supervisor=_constant(2.6), gain_smoothing=0.0, error_smoothing=0.0
+        "K = 2.6 without filters": but(
+            paper, supervisor=_constant(2.6), gain_smoothing=0.0, error_smoothing=0.0
         ),
     }
 

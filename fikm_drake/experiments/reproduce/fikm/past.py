@@ -4,14 +4,15 @@ import dataclasses
 
 import numpy as np
 
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.diagrams.fuzzy_ik_torque_controller import BANDWIDTH
 from fikm_drake.experiments.benchmarks.supervise_benchmark import supervise_benchmark
 from fikm_drake.experiments.reproduce.report import Cell, Section
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 LINES = {"10": 0.002, "5": 0.006, "2": 0.04}
 """Table VI's lines by their seconds, and the largest error that three iterations may have [cm]."""
@@ -26,7 +27,7 @@ HOLD = 9.0
 def past() -> Section:
     """Three iterations on the lines; the default where targets are out of reach or at a dead point."""
     cells = []
-    sharp = FuzzyIkConfig.resolved_rate(iterations=3)
+    sharp = FuzzyIkConfig(law=FuzzyMapping(iterations=3)).resolved_rate()
     for seconds, most in LINES.items():
         log = simulate(dataclasses.replace(load_scenario(f"table6_{seconds}s"), config=sharp))
         error = 100.0 * log.metrics().e_max
@@ -48,8 +49,8 @@ def past() -> Section:
         "past the paper: accuracy, calm, the dead point",
         cells,
         notes=[
-            "Lines without gain and filters, `FuzzyIkConfig.resolved_rate(iterations=3)`; all else with",
-            "the default. Dead point: the stretched 2-joint arm, (1.5, 0) to (1, 0), where Jᵀ dr = 0.",
+            "Lines by `FuzzyIkConfig(law=FuzzyMapping(iterations=3)).resolved_rate()`; all else with the",
+            "default. Dead point: the stretched 2-joint arm, (1.5, 0) to (1, 0), where Jᵀ dr = 0.",
         ],
     )
 

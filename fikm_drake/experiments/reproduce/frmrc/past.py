@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.experiments.reproduce.fikm.ablation import LAST, OPTIMUM, UNREACHABLE
 from fikm_drake.experiments.reproduce.frmrc.laws import ONE, PAPER, RMRC, THREE, laws
 from fikm_drake.experiments.reproduce.report import Cell, Section
@@ -12,7 +13,6 @@ from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_scenario import load_scenario
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 LINE = "table6_5s"
 
@@ -20,7 +20,7 @@ LINE = "table6_5s"
 def controller() -> Section:
     """The same Diagram, the law swapped by one argument: arm7, the line of 93.5 cm in 5 s."""
     scenario = load_scenario(LINE)
-    plain = dataclasses.replace(scenario, config=FuzzyIkConfig.resolved_rate())
+    plain = dataclasses.replace(scenario, config=FuzzyIkConfig().resolved_rate())
     found = laws(scenario.load_arm(), "position")
     cells = []
     for name, law in found.items():
@@ -31,7 +31,7 @@ def controller() -> Section:
             cells.append(Cell(f"{name}, {title}", None, text, claim))
     notes = [
         "Error after the step: max / mean / at the end [cm]; the last is claimed, below 0.001 cm.",
-        "The first of the two configs is `FuzzyIkConfig.resolved_rate()`. A law that takes the whole",
+        "The first of the two configs is `FuzzyIkConfig().resolved_rate()`. A law that takes the whole",
         "error at once is only slowed by the gain and the filters of paper 1; one that takes little of it",
         "gains by them.",
     ]
@@ -41,7 +41,7 @@ def controller() -> Section:
 def out_of_reach() -> Section:
     """A target half a metre out of reach of the stretched 4-joint arm: does the arm come to rest?"""
     scenario = load_scenario(UNREACHABLE)
-    plain = dataclasses.replace(scenario, config=FuzzyIkConfig.resolved_rate())
+    plain = dataclasses.replace(scenario, config=FuzzyIkConfig().resolved_rate())
     found = laws(scenario.load_arm(), "xy") | {"damped least squares": DampedLeastSquares()}
     cells = []
     for name, law in found.items():
@@ -87,7 +87,9 @@ def longer(variant: str, gain: float, reach: float | None) -> int:
     count = 0
     for m, n in SHAPES:
         J, dr = _cases(rng, CASES // len(SHAPES), m, n)
-        law = FuzzyRateControl(variant, gain=gain, reach=None if reach is None else [reach] * n)
+        law = FuzzyRateControl(
+            variant, gain=gain, reach=None if reach is None else np.full(n, reach)
+        )
         left = dr - (J @ law(J, dr)[..., None])[..., 0]
         before, after = np.linalg.norm(dr, axis=1), np.linalg.norm(left, axis=1)
         count += int((after > (1.0 + ROUNDING) * before).sum())

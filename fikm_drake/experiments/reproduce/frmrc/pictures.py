@@ -5,6 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array
+from fikm_drake.kinematics.task import Task
 from fikm_drake.simulation.tracking_log import TrackingLog
 
 
@@ -14,7 +15,7 @@ def errors_before(log: TrackingLog) -> Array:
     The log's own error is after the cycle's step.
     """
     scenario = log.scenario
-    coordinates = scenario.controller_config().make_task().coordinates
+    coordinates = Task(scenario.controller_config().task).coordinates
     start = scenario.load_arm().forward_kinematics(scenario.start())[coordinates, 3]
     return log.desired - np.concatenate([start[None], log.actual[:-1]])
 

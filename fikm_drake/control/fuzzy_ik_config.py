@@ -1,0 +1,187 @@
+"""All that can be set of a fuzzy IK controller."""
+
+# No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
+import dataclasses
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+
+from fikm_drake.arrays import Array
+from fikm_drake.checks import (
+    check_below_one,
+    check_flag,
+    check_not_negative,
+    check_number,
+    check_positive,
+    check_positive_finite,
+)
+from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.kinematics.plant_arm import PlantArm
+from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
+from fikm_drake.kinematics.tasks import check_task_name
+from fikm_drake.laws import LAWS, LawConfig
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+
+
+@dataclass
+class FuzzyIkConfig:
+    """Configuration of `AddFuzzyIkController`; Drake's typed YAML loads and dumps it.
+
+    Attributes:
+        law: maps Jacobian and error to a joint step; in YAML by a tag, `law: !DampedLeastSquares
+            {damping: 0.05}`, without a tag `FuzzyMapping`. More `iterations` are sharper and dearer;
+            for poses take `{iterations: 6, damping: 0.1, row_floor: 0.05}`.
+        frame: name of the tool's frame in the plant; `instance::name` where several arms have one.
+        task: what counts: `position`, axes such as `xy`, `orientation`, `pose`, `pointing`.
+        characteristic_length: for tasks with orientation a turn of 1 rad counts as this much [m];
+            more makes turns matter more, beside positions.
+        control_rate: cycles a second [Hz]; the paper's 50. More follows closer and costs more.
+        fused: one LeafSystem in place of the Diagram: the same results and ports at less cost.
+        measured_position: take the joints from the port `estimated_position` in place of the command
+            itself. Whatever the robot is late by is then in the loop: one cycle's delay is stable for
+            gains below 1 only, so lower those of `supervisor` for a robot that is late.
+        error_limit: a longer task error counts as this long [m], which bounds the first step to a far
+            target; infinite (`.inf` in YAML): no limit, as in the paper.
+        max_joint_step: a longer joint step of a cycle is shortened to this length [rad or m]. The
+            paper's law stays far below; sharper laws near a singular posture need it.
+        singularity_nudge: joint motion aside at a dead point, such as a stretched arm whose target
+            lies straight inward, over the amplified error [rad/m]; 0: the arm stays there, as in the
+            paper.
+        limit_margin: distance from a joint limit within which a joint that moves toward it counts
+            less [rad or m]; 0: the command is only cut off at the limit.
+        posture_rate: fraction of the way to its nominal posture that a redundant arm goes in a
+            second, as far as the task leaves it free [1/s]; 0: it does not.
+        nominal_position: the nominal posture (n) [rad or m]; empty: the middle of the joint limits,
+            the plant's default for joints without.
+        velocity_limits: largest joint speeds (n) where the plant's own limits are not lower, or one
+            for all [rad/s or m/s]; empty: the plant's own.
+        acceleration_limits: largest joint accelerations, likewise [rad/s² or m/s²].
+        restart_search: search for another posture where the law comes to rest before the target: out
+            of dead points and local minima at joint limits; see `control.restart_search`. The arm may
+            then move far, and not along the task.
+        restart_speed: of the fastest joint on the way to that posture [rad/s or m/s].
+        following_time: status NOT_FOLLOWING where a measured joint is further from its command than
+            it moves in this time at its limit of speed [s]; more bears a slower robot.
+        tolerance: a task error up to this counts as converged [m].
+        gain_smoothing: weight of the last gain in equation 30 [-]; 0: no filter, quicker.
+        error_smoothing: weight of the last error in equation 31 [-]; 0: no filter, quicker.
+        supervisor: the constants of section 2.7 and of the calm.
+    """
+
+    law: LawConfig = field(default_factory=FuzzyMapping)
+    frame: str = "tool"
+    task: str = "position"
+    characteristic_length: float = CHARACTERISTIC_LENGTH
+    control_rate: float = 50.0
+    fused: bool = False
+    measured_position: bool = False
+    error_limit: float = 0.2
+    max_joint_step: float = 0.5
+    singularity_nudge: float = 0.01
+    limit_margin: float = 0.1
+    posture_rate: float = 0.0
+    nominal_position: list[float] = field(default_factory=list)
+    velocity_limits: list[float] = field(default_factory=list)
+    acceleration_limits: list[float] = field(default_factory=list)
+    restart_search: bool = False
+    restart_speed: float = 1.5
+    following_time: float = 0.25
+    tolerance: float = 1e-3
+    gain_smoothing: float = 2.0 / 3.0
+    error_smoothing: float = 2.0 / 3.0
+    supervisor: GainSupervisorConfig = field(default_factory=GainSupervisorConfig)
+
+    def as_in_paper(self) -> "FuzzyIkConfig":
+        """This config as Xu & Nechyba's controller: without what calms and bounds ours.
+
+        Example:
+            >>> import fikm_drake as fd
+            >>> fd.FuzzyIkConfig(control_rate=100.0).as_in_paper().error_limit
+            inf
+        """
+        return dataclasses.replace(
+            self,
+            error_limit=inf,
+            max_joint_step=inf,
+            limit_margin=0.0,
+            singularity_nudge=0.0,
+            supervisor=dataclasses.replace(self.supervisor, calming=1.0),
+        )
+
+    def resolved_rate(self) -> "FuzzyIkConfig":
+        """This config as a plain resolved-rate loop: gain 1, no filters; the law's step as it is.
+
+        For laws that take the whole error at once, such as `FuzzyRateControl`, `PseudoInverse` or
+        `DampedLeastSquares`: the gain and the filters of Xu & Nechyba 1993 would slow them down.
+
+        Example:
+            >>> import fikm_drake as fd
+            >>> fd.FuzzyIkConfig(law=fd.PseudoInverse()).resolved_rate().supervisor.gains
+            [1.0, 1.0, 1.0]
+        """
+        return dataclasses.replace(
+            self,
+            gain_smoothing=0.0,
+            error_smoothing=0.0,
+            singularity_nudge=0.0,
+            supervisor=dataclasses.replace(
+                self.supervisor, gains=[1.0] * 3, oscillating_gains=[1.0] * 3, calming=1.0
+            ),
+        )
+
+    @property
+    def period(self) -> float:
+        """Of the control cycle [s]."""
+        return 1.0 / self.control_rate
+
+    def speeds(self, arm: PlantArm) -> Array:
+        """Limits of speed (n,), the arm's too [rad/s or m/s]."""
+        return _least("velocity_limits", self.velocity_limits, arm.velocity_limits)
+
+    def accelerations(self, arm: PlantArm) -> Array:
+        """Limits of acceleration (n,), the arm's too [rad/s² or m/s²]."""
+        return _least("acceleration_limits", self.acceleration_limits, arm.acceleration_limits)
+
+    def validate(self) -> None:
+        """Raise ValueError, naming the bad value and the valid ones."""
+        if type(self.law) not in LAWS.values() and not (
+            callable(self.law) or hasattr(self.law, "step")
+        ):
+            raise ValueError(f"law must be one of {tuple(LAWS)} or callable, got {self.law!r}")
+        if type(self.law) in LAWS.values():
+            dataclasses.replace(self.law)  # checks what YAML wrote into it
+        if not isinstance(self.frame, str):
+            raise ValueError(f"frame must be the name of a frame, got {self.frame!r}")
+        check_task_name(self.task)
+        for name in ("fused", "measured_position", "restart_search"):
+            check_flag(name, getattr(self, name))
+        check_positive_finite("characteristic_length", self.characteristic_length, "m")
+        check_positive_finite("control_rate", self.control_rate, "Hz")
+        for name in ("error_limit", "tolerance", "max_joint_step"):
+            check_positive(name, getattr(self, name))
+        for name in ("restart_speed", "following_time"):
+            check_positive(name, getattr(self, name))
+        for name in ("singularity_nudge", "limit_margin"):
+            check_not_negative(name, getattr(self, name))
+        check_number(
+            "posture_rate",
+            self.posture_rate,
+            f"from 0 to control_rate = {self.control_rate:g} [1/s]",
+            lambda rate: 0.0 <= rate <= self.control_rate,
+        )
+        for name in ("gain_smoothing", "error_smoothing"):
+            check_below_one(name, getattr(self, name))
+        if not isinstance(self.supervisor, GainSupervisorConfig):
+            raise ValueError(f"supervisor must be a GainSupervisorConfig, got {self.supervisor!r}")
+        self.supervisor.validate()
+
+
+def _least(name: str, values: list[float], own: Array) -> Array:
+    """The lower of an arm's limits and those of a config; ValueError unless it has 0, 1 or n."""
+    limits = np.atleast_1d(np.asarray(values, dtype=float))
+    if limits.size not in (0, 1, len(own)) or limits.ndim > 1 or not (limits > 0.0).all():
+        raise ValueError(
+            f"{name} must be empty or positive, one number or {len(own)}, got {values!r}"
+        )
+    return np.minimum(own, limits) if limits.size else own

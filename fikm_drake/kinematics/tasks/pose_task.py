@@ -1,0 +1,105 @@
+"""Orientation of the tool, alone or with its position."""
+
+from typing import Any
+
+import numpy as np
+from pydrake.math import RigidTransform
+
+from fikm_drake.arrays import Array
+from fikm_drake.checks import check_positive_finite
+from fikm_drake.kinematics.plant_arm import PlantArm
+from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
+from fikm_drake.kinematics.task_kinematics import PoseTargetTask
+
+
+class OrientationTask(PoseTargetTask):
+    """The tool has the orientation of a RigidTransform X_WE.
+
+    The error is the rotation vector (angle times axis, in the world frame) that turns E to its
+    target the short way, correct through 180°; times the characteristic length it is in metres.
+
+    Args:
+        arm: the joints and the tool's frame.
+        characteristic_length: a turn of 1 rad counts as this much [m].
+
+    Raises:
+        ValueError: the length is not positive and finite.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> fd.OrientationTask(fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("panda")))).port
+        'desired_pose'
+    """
+
+    size = 3
+
+    def __init__(self, arm: PlantArm, characteristic_length: float = CHARACTERISTIC_LENGTH) -> None:
+        super().__init__(arm)
+        self.characteristic_length = check_positive_finite(
+            "characteristic_length", characteristic_length, "m"
+        )
+        # A turn by φ changes the rotation matrix by 2√2 sin(φ/2), in the Frobenius norm.
+        self._scale = np.array([self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0])
+
+    def target_error(self, context: Any, target: RigidTransform) -> Array:
+        """The scaled rotation vector (3,) [m]."""
+        return self._turn(self.arm.pose(context), target)
+
+    def target_jacobian(self, context: Any) -> Array:
+        """Rows ω of the Jacobian, scaled (3,n)."""
+        return self._spatial_jacobian(context)[:3]
+
+    @property
+    def num_coordinates(self) -> int:
+        """Those of the rotation matrix and, if it counts, of the position."""
+        return 9 if self.size == 3 else 12
+
+    def target_coordinates(self, target: RigidTransform) -> Array:
+        """The numbers of a pose (c,) in metres: for small turns as far apart as the error is long."""
+        columns = self.num_coordinates // 3
+        return (target.GetAsMatrix34()[:, :columns] * self._scale[:columns]).ravel()
+
+    def jacobian_range(self) -> Array:
+        """Bounds of the Jacobian's |J_ij| (m,n) over all joint positions."""
+        scale = np.array([self.characteristic_length] * 3 + [1.0] * (self.size - 3))
+        return self.arm.jacobian_range()[: self.size] * scale[:, None]
+
+    def _turn(self, X_WE: RigidTransform, target: RigidTransform) -> Array:
+        turn = target.rotation().multiply(X_WE.rotation().inverse()).ToAngleAxis()
+        vector = turn.axis()
+        vector *= self.characteristic_length * turn.angle()
+        return vector
+
+    def _spatial_jacobian(self, context: Any) -> Array:
+        J = self.arm.spatial_jacobian(context)
+        J[:3] *= self.characteristic_length
+        return J
+
+
+class PoseTask(OrientationTask):
+    """The tool is at a pose X_WE: rows [ω; v], the orientation's as of `OrientationTask`.
+
+    Args:
+        arm: the joints and the tool's frame.
+        characteristic_length: a turn of 1 rad counts as this much [m].
+
+    Raises:
+        ValueError: the length is not positive and finite.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> fd.PoseTask(fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("panda")))).size
+        6
+    """
+
+    size = 6
+
+    def target_error(self, context: Any, target: RigidTransform) -> Array:
+        """The scaled rotation vector, then desired minus actual position (6,) [m]."""
+        X_WE = self.arm.pose(context)
+        turn = self._turn(X_WE, target)
+        return np.concatenate((turn, target.translation() - X_WE.translation()))
+
+    def target_jacobian(self, context: Any) -> Array:
+        """The spatial Jacobian (6,n), rows ω scaled."""
+        return self._spatial_jacobian(context)
