@@ -76,8 +76,7 @@ from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt
-from fikm_drake.solvers.batch.batch_solution import BatchSolution, BatchStatus
-from fikm_drake.solvers.batch.solve_batch import solve_batch
+from fikm_drake.solvers.batch.batch_solution import BatchSolution, SolverStatus
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
@@ -99,6 +98,7 @@ from fikm_drake.solvers.self_motion.self_motion import (
     SelfMotionStatus,
 )
 from fikm_drake.solvers.self_motion.trace_self_motion import SelfMotionTracer, trace_self_motion
+from fikm_drake.solvers.solver import Solution, Solver, solve, solve_batch
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.workplane.workplane import Workplane, load_workplane
 from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_workplane_data
@@ -130,7 +130,6 @@ __all__ = [
     "AddSupervisedDifferentialIk",
     "Anfis",
     "BatchSolution",
-    "BatchStatus",
     "Clearance",
     "ClearanceConfig",
     "ClearanceInfo",
@@ -207,6 +206,9 @@ __all__ = [
     "SelfMotionTracer",
     "SerialChain",
     "SimulationStopped",
+    "Solution",
+    "Solver",
+    "SolverStatus",
     "StatusMonitor",
     "SupervisedDifferentialIk",
     "TaskError",
@@ -247,6 +249,7 @@ __all__ = [
     "plot_surface",
     "rollout",
     "simulate",
+    "solve",
     "solve_batch",
     "trace_self_motion",
     "train_bounds",

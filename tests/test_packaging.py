@@ -14,6 +14,7 @@ import pytest
 import yaml
 
 import fikm_drake
+from fikm_drake.kinematics.native import build as building
 from fikm_drake.resources import models_dir
 
 ROOT = Path(__file__).parents[1]
@@ -32,15 +33,35 @@ print(all(fd.load_scenario(name).load_arm() for name in model_names("scenarios")
 def unzipped(tmp_path_factory):
     """The wheel's files; hatchling is installed, so that nothing is downloaded."""
     folder = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
-    command += ["--no-index", "--quiet", "--wheel-dir", str(folder), str(ROOT)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    (wheel,) = folder.glob("*.whl")
-    assert wheel.name == f"fikm_drake-{fikm_drake.__version__}-py3-none-any.whl"
+    wheel = built_wheel(folder)
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(folder / "unzipped")
+        kernel = "fikm_drake/kinematics/native/_kernel.so" in archive.namelist()
+    # With a compiler the kernel is in it, and the wheel is of this platform.
+    assert wheel.name.startswith(f"fikm_drake-{fikm_drake.__version__}-py3-none-")
+    assert (
+        kernel == (not wheel.name.endswith("-none-any.whl")) == (building._compiler() is not None)
+    )
     return folder / "unzipped"
+
+
+def built_wheel(folder, **environment):
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    command += ["--no-index", "--quiet", "--wheel-dir", str(folder), str(ROOT)]
+    environment = {**os.environ, "FIKM_DRAKE_NATIVE": "", **environment}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    (wheel,) = folder.glob("*.whl")
+    return wheel
+
+
+def test_without_the_native_kernel_the_wheel_is_a_pure_one(tmp_path):
+    wheel = built_wheel(tmp_path, FIKM_DRAKE_NATIVE="0")
+    assert wheel.name == f"fikm_drake-{fikm_drake.__version__}-py3-none-any.whl"
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    assert not [name for name in names if "_kernel" in name]
+    assert "fikm_drake/kinematics/native/kernel.c" in names
 
 
 def test_wheel_holds_models_types_and_license_and_nothing_else(unzipped):

@@ -15,6 +15,7 @@ from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.run import add_run
 from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.train import add_train
+from fikm_drake.kinematics.native.kernel import kernel_description
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -66,4 +67,5 @@ def _versions() -> str:
             others.append(f"{name} {version(name)}")
         except PackageNotFoundError:  # Drake built from source
             others.append(f"{name} of unknown version")
-    return f"fikm-drake {own} ({', '.join(others)}, Python {platform.python_version()})"
+    others += [f"Python {platform.python_version()}", kernel_description()]
+    return f"fikm-drake {own} ({', '.join(others)})"

@@ -89,6 +89,16 @@ class FramesOfPostures:
         self._tool = np.where(np.abs(tool) < ROUNDING, 0.0, tool)
         self._tool_turns = not np.array_equal(self._tool[:3, :3], np.eye(3))
 
+    def packed(self) -> Array:
+        """The chain as the native kernel takes it, 12 + 7 n + 12 numbers; see `native/lanes.h`."""
+        numbers = [*self._first.T.ravel(), *self._start.ravel()]
+        for i, element in enumerate(self._elements):
+            x, cos, sin, y, z = 0.0, 1.0, 0.0, 0.0, 0.0
+            if i:
+                x, cos, sin, y, z = element.x, element.cos, element.sin, element.y, element.z
+            numbers += [x, y, z, cos, sin, self._offset[i], float(self.revolute[i])]
+        return np.array([*numbers, *self._tool[:3, :3].T.ravel(), *self._tool[:3, 3]])
+
     def __call__(self, q: Array) -> Frames:
         """Frames of the tool and of the joints.
 

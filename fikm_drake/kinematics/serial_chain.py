@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_table import JOINT_TYPES, DhTable
 from fikm_drake.kinematics.frames import Frames, FramesOfPostures
+from fikm_drake.kinematics.native.native_kinematics import NativeKinematics, native_kinematics
 from fikm_drake.kinematics.transforms import joint_motion
 
 if TYPE_CHECKING:
@@ -175,6 +176,14 @@ class SerialChain:
     def _frames(self) -> FramesOfPostures:
         return FramesOfPostures(self.before, self.tool, self.revolute)
 
+    @cached_property
+    def _native(self) -> NativeKinematics | None:
+        return native_kinematics(self.packed(), self.num_joints)
+
+    def packed(self) -> Array:
+        """The chain as the native kernel takes it; see `native/lanes.h`."""
+        return self._frames.packed()
+
     def frames(self, q: Array) -> Frames:
         """Tool frames and joint axes of N postures (n,N), for what computes on many at once."""
         return self._frames(q)
@@ -192,6 +201,8 @@ class SerialChain:
             ValueError: the last axis of `q` is not n long.
         """
         q = self.checked(q)
+        if self._native:
+            return self._native.poses(np.ascontiguousarray(q))
         frames = self._frames(q.reshape(-1, self.num_joints).T)
         X = np.zeros((frames.position.shape[1], 4, 4))
         X[:, :3, :3] = frames.rotation.transpose(2, 1, 0)
@@ -212,6 +223,8 @@ class SerialChain:
             ValueError: the last axis of `q` is not n long.
         """
         q = self.checked(q)
+        if self._native:
+            return self._native.jacobians(np.ascontiguousarray(q))
         J = self._frames(q.reshape(-1, self.num_joints).T).jacobian()
         return np.ascontiguousarray(J.transpose(2, 0, 1)).reshape(*q.shape[:-1], *J.shape[:2])
 

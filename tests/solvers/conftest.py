@@ -62,13 +62,13 @@ def check():
         assert np.isfinite(solution.q).all()
         if limits:
             assert (solution.q >= arm.lower).all() and (solution.q <= arm.upper).all()
-        valid = solution.status != 3
+        valid = solution.status != 0
         distance, angle = errors(arm, solution.q[valid], targets[valid])
         np.testing.assert_allclose(solution.position_error[valid], distance, rtol=0, atol=1e-10)
         np.testing.assert_allclose(solution.rotation_error[valid], angle, rtol=0, atol=1e-7)
         within = (distance <= tolerance[0] + 1e-9) & (angle <= tolerance[1] + 1e-9)
         assert within[solution.success[valid]].all()
-        np.testing.assert_array_equal(solution.success, solution.status == 0)
+        np.testing.assert_array_equal(solution.success, solution.status == 1)
         assert np.isnan(solution.position_error[~valid]).all()
         assert np.isnan(solution.rotation_error[~valid]).all()
 

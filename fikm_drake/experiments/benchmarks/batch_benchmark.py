@@ -15,8 +15,9 @@ from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.solvers.batch.rotation_error import rotation_error
-from fikm_drake.solvers.batch.solve_batch import TOLERANCE, solve_batch
+from fikm_drake.solvers.batch.batch_targets import rotation_error
+from fikm_drake.solvers.batch.problem import TOLERANCE
+from fikm_drake.solvers.solver import solve_batch
 
 HOME = {
     "iiwa14": (0.0, 0.6, 0.0, -1.75, 0.0, 1.0, 0.0),

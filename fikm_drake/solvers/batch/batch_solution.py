@@ -10,17 +10,17 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.solvers.count_statuses import count_statuses
 
 
-class BatchStatus(IntEnum):
+class SolverStatus(IntEnum):
     """How the search for one target ended."""
 
-    SOLVED = 0
-    """Within the tolerance, and inside the limits unless they are ignored."""
-    OUT_OF_REACH = 1
-    """No posture can reach it: proven from the lengths of the links or the plane of the arm."""
-    NOT_SOLVED = 2
-    """Nothing within the tolerance was found; that does not prove that there is nothing."""
-    INVALID_TARGET = 3
+    INVALID_INPUT = 0
     """NaN, infinite (beyond 1e100 m), or not a pose: nothing was tried."""
+    SOLVED = 1
+    """Within the tolerance, and inside the limits unless they are ignored."""
+    OUT_OF_REACH = 2
+    """No posture can reach it: proven from the lengths of the links or the plane of the arm."""
+    NOT_SOLVED = 3
+    """Nothing within the tolerance was found; that does not prove that there is nothing."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,9 @@ class BatchSolution:
     success: Bools
     """(N,): within the tolerance."""
     status: NDArray[np.int_]
-    """(N,): values of `BatchStatus`."""
+    """(N,): values of `SolverStatus`."""
     cycles: NDArray[np.int_]
-    """(N,): control cycles from the first start to the end of the search; restarts run side by side
-    and count once."""
+    """(N,): control cycles of all starts up to the one that is the answer."""
     position_error: Array
     """(N,) [m]; NaN for invalid targets."""
     rotation_error: Array
@@ -45,5 +44,5 @@ class BatchSolution:
         return len(self.q)
 
     def __repr__(self) -> str:
-        counts = count_statuses(self.status, BatchStatus)
+        counts = count_statuses(self.status, SolverStatus)
         return f"<BatchSolution: {counts or 'no targets'}>"

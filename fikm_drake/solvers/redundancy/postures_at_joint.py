@@ -6,11 +6,13 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.batch.batch_step import solve_positive_definite
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
+from fikm_drake.solvers.batch.descent import solve_positive_definite
 from fikm_drake.solvers.batch.posture_pool import PosturePool
 from fikm_drake.solvers.redundancy.tool_targets import tool_errors
 
+POOL = 1024
+"""Postures to choose from."""
 NEAR, STARTS = 32, 4
 """Postures of the pool with their tool nearest to a pose, and those of them that are started from."""
 CHUNK = 1024
@@ -43,7 +45,7 @@ class PosturesAtJoint:
 
     def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
         self._arm, self._task, self._joint = arm, task, joint
-        self._pool = PosturePool(arm.chain, task.characteristic_length, seed=0)
+        self._pool = PosturePool(arm.chain, task.characteristic_length, seed=0, size=POOL)
         self._others = np.delete(np.arange(arm.num_joints), joint)
         self._middle = middle_of_limits(arm.lower, arm.upper)
 

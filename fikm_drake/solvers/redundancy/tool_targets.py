@@ -6,8 +6,7 @@ from numpy.typing import ArrayLike
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
-from fikm_drake.solvers.batch.batch_targets import FARTHEST, checked_targets
-from fikm_drake.solvers.batch.rotation_error import rotation_error
+from fikm_drake.solvers.batch.batch_targets import FARTHEST, checked_targets, rotation_error
 
 
 def checked_points(points: ArrayLike, task: Task) -> tuple[Array, Bools]:

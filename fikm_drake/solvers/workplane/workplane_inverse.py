@@ -12,7 +12,7 @@ from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
-from fikm_drake.solvers.batch.solve_batch import solve_batch
+from fikm_drake.solvers.solver import solve_batch
 from fikm_drake.solvers.workplane.workplane import Workplane
 
 MOST_POINTS = 200_000

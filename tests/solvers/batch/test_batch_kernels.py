@@ -10,9 +10,9 @@ from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients
 from fikm_drake.resources import model_names
-from fikm_drake.solvers.batch.batch_step import batch_step, solve_positive_definite
-from fikm_drake.solvers.batch.reach import out_of_reach
-from fikm_drake.solvers.batch.rotation_error import rotation_error
+from fikm_drake.solvers.batch.batch_targets import BatchTargets, rotation_error
+from fikm_drake.solvers.batch.descent import batch_step, solve_positive_definite
+from fikm_drake.solvers.batch.reach import Reach
 
 angles = st.sampled_from([0.0, np.pi / 2, -np.pi / 2, np.pi]) | st.floats(-np.pi, np.pi)
 lengths = st.just(0.0) | st.floats(-1.0, 1.0)
@@ -132,6 +132,11 @@ def test_tilted_pose_is_out_of_reach_of_a_planar_arm():
 @pytest.mark.parametrize("name", model_names())
 def test_far_targets_are_out_of_reach_of_our_models(name):
     assert out_of_reach(load_arm(name), np.array([[9.0, 0.0, 0.0]]), (1e-3, 0.1)).all()
+
+
+def out_of_reach(arm, targets, tolerance, limits=True):
+    reach = Reach(arm.chain, targets.ndim == 3, tolerance, limits)
+    return reach.beyond(BatchTargets.from_array(targets))
 
 
 def _rotations(axes, angle):
