@@ -47,9 +47,11 @@ from fikm_drake.fuzzy.teaching import (
     plot_memberships,
     plot_rules,
     plot_surface,
+    write_rules_page,
 )
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
 from fikm_drake.kinematics.arm_capsules import AddArmCapsules
+from fikm_drake.kinematics.arm_drawing import arm_drawing
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform, DhUnit
 from fikm_drake.kinematics.load_arm import load_arm
@@ -226,6 +228,7 @@ __all__ = [
     "WorkplaneData",
     "WorkplaneInverse",
     "check_robot_file",
+    "arm_drawing",
     "closest_to_mid_range",
     "feasible_interval_table",
     "feasible_intervals",
@@ -255,4 +258,5 @@ __all__ = [
     "train_bounds",
     "train_traced_bounds",
     "write_html",
+    "write_rules_page",
 ]

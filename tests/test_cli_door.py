@@ -92,3 +92,17 @@ def test_completion_of_an_unknown_shell_names_the_known_ones(capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["completion", "tcsh"])
     assert stopped.value.code == 2 and "fish" in capsys.readouterr().err
+
+
+def test_rules_of_a_system_and_which_fire(tmp_path, capsys):
+    assert main(["rules", "labvolt_theta3"]) == 0
+    rules = capsys.readouterr().out.splitlines()
+    assert rules == fikm_drake.load_mamdani("labvolt_theta3").rules()
+    picture, page = tmp_path / "rules.png", tmp_path / "rules.html"
+    words = ["rules", "labvolt_theta3", "--at", "0.4", "0.1", "--plot", str(picture)]
+    assert main([*words, "--page", str(page)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("at x = 0.4, y = 0.1:") and "by mean of maximum" in out
+    assert picture.stat().st_size > 1000 and page.stat().st_size > 1000
+    assert main(["rules", "labvolt_theta3", "--at", "0.4"]) == 2
+    assert "point must be 2 finite numbers" in capsys.readouterr().err

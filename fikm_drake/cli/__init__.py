@@ -12,6 +12,7 @@ from fikm_drake.cli.completion import add_completion
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
+from fikm_drake.cli.rules import add_rules
 from fikm_drake.cli.run import add_run
 from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
 from fikm_drake.cli.train import add_train
@@ -47,6 +48,7 @@ def _parser() -> argparse.ArgumentParser:
     for add in (
         add_run,
         add_models,
+        add_rules,
         add_reproduce,
         add_benchmark,
         add_export_c,

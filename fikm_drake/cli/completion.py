@@ -11,7 +11,7 @@ from typing import NamedTuple
 from fikm_drake.cli.shared import OK
 from fikm_drake.resources import model_names
 
-NAMES = {"scenario": "scenarios", "arm": ""}
+NAMES = {"scenario": "scenarios", "arm": "", "system": "fuzzy"}
 """Arguments that take the name of a model, and the folder of `models/` that it is in."""
 
 

@@ -18,6 +18,7 @@ from fikm_drake.fuzzy.teaching.explanation import Explanation, FuzzyView
 from fikm_drake.fuzzy.teaching.fuzzy_view import fuzzy_view
 from fikm_drake.fuzzy.teaching.plot_rules import plot_rules
 from fikm_drake.fuzzy.teaching.plots import plot_memberships, plot_surface
+from fikm_drake.fuzzy.teaching.write_rules_page import write_rules_page
 
 __all__ = [
     "Explanation",
@@ -26,4 +27,5 @@ __all__ = [
     "plot_memberships",
     "plot_rules",
     "plot_surface",
+    "write_rules_page",
 ]

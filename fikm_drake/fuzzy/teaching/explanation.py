@@ -75,6 +75,10 @@ class Explanation:
     """Where memberships of the output are given (K,); None for numbers."""
     united: Array | None = None
     """The united memberships (K,); None for numbers."""
+    cuts_off: bool = True
+    """Whether a strength cuts a membership off, or scales it."""
+    adds: bool = False
+    """Whether memberships are united by their sum, or their maximum."""
 
     def strongest(self, most: int | None = None) -> tuple[ViewedRule, ...]:
         """The rules that fire, the strongest first, at most so many."""

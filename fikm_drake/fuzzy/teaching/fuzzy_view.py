@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,9 +98,9 @@ class MamdaniView:
         united = said.sum(axis=0) if config.aggregation == "sum" else said.max(axis=0)
         values, fired = self._system(point)
         method = config.defuzzification.replace("_", " ")
-        return _explanation(
-            point, self, output, rules, values[output], bool(fired[output]), method, span, united
-        )
+        told = _explanation(point, self, output, rules, values[output], bool(fired[output]), method)
+        cuts_off, adds = config.implication == "minimum", config.aggregation == "sum"
+        return replace(told, span=span, united=united, cuts_off=cuts_off, adds=adds)
 
 
 class SugenoView:
@@ -218,12 +219,10 @@ def _explanation(
     value: float,
     fired: bool,
     method: str,
-    span: Array | None = None,
-    united: Array | None = None,
 ) -> Explanation:
     inputs = {variable.name: float(x) for variable, x in zip(view.inputs, point)}
     variable = view.outputs[output]
-    return Explanation(inputs, variable, tuple(rules), float(value), fired, method, span, united)
+    return Explanation(inputs, variable, tuple(rules), float(value), fired, method)
 
 
 def _checked(point: ArrayLike, inputs: list[ViewedVariable]) -> Array:
