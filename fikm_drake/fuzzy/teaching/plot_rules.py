@@ -27,7 +27,7 @@ def plot_rules(
     last row shows the united conclusions, or all numbers with their weights, and the output.
 
         fd.plot_rules(fd.load_mamdani("labvolt_theta3"), [0.4, 0.1]).savefig("rules.png")
-        fd.plot_rules(fd.GainSupervision(), [1.2, 4.0])
+        fd.plot_rules(fd.GainSupervision(num_rows=3, num_joints=7), [1.2, 4.0])
 
     Args:
         system: what `fuzzy_view` takes.

@@ -17,7 +17,7 @@ def anfis(inputs):
 
 SYSTEMS = {
     "generated": (lambda: generate_rule_base(0.5), [0.03, 0.2]),
-    "supervisor": (fd.GainSupervision, [1.2, 3.5]),
+    "supervisor": (lambda: fd.GainSupervision(3, 7), [1.2, 3.5]),
     "rate control": (fd.FuzzyRateControl, [0.3, -0.5]),
     "integer, min": (lambda: fd.IntegerFuzzyIk(labels=(5, 4)), [120, 80]),
     "integer, product": (
