@@ -79,6 +79,8 @@ from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scena
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt
 from fikm_drake.solvers.batch.batch_solution import BatchSolution, SolverStatus
+from fikm_drake.solvers.paths.joint_path import JointPath, joint_path
+from fikm_drake.solvers.paths.path_follower import PathStatus
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import Resolution, ResolutionStatus
@@ -171,6 +173,7 @@ __all__ = [
     "IntervalTable",
     "JacobianTranspose",
     "JointIntegrator",
+    "JointPath",
     "JointReference",
     "LAWS",
     "LabVoltIk",
@@ -186,6 +189,7 @@ __all__ = [
     "MamdaniSystem",
     "NearestReachable",
     "OrientationTask",
+    "PathStatus",
     "Planar3R",
     "PlantArm",
     "PlantTask",
@@ -235,6 +239,7 @@ __all__ = [
     "fuzzy_view",
     "generate_feasibility_data",
     "generate_rule_base",
+    "joint_path",
     "labvolt",
     "load_arm",
     "load_clearance_rules",

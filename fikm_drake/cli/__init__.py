@@ -10,6 +10,7 @@ from fikm_drake.cli.benchmark import add_benchmark
 from fikm_drake.cli.calibrate import add_calibrate
 from fikm_drake.cli.completion import add_completion
 from fikm_drake.cli.export_c import add_export_c
+from fikm_drake.cli.follow import add_follow
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.rules import add_rules
@@ -47,6 +48,7 @@ def _parser() -> argparse.ArgumentParser:
 
     for add in (
         add_run,
+        add_follow,
         add_models,
         add_rules,
         add_reproduce,

@@ -41,8 +41,8 @@ def path_targets(targets: Targets, *, samples: int = SAMPLES) -> Array:
             return np.array([targets.GetPose(t).GetAsMatrix4() for t in times])
         values = np.array([targets.value(t) for t in times])
         array = values[..., 0] if values.shape[1:] == (3, 1) else values
-    elif len(targets) and all(isinstance(X, RigidTransform) for X in targets):  # type: ignore[arg-type]
-        array = np.array([X.GetAsMatrix4() for X in targets])  # type: ignore[union-attr]
+    elif isinstance(targets, list | tuple) and any(isinstance(X, RigidTransform) for X in targets):
+        array = np.array([X.GetAsMatrix4() for X in targets])
     else:
         array = np.array(targets, dtype=float)
     if len(array) < 1 or array.shape[1:] not in ((3,), (4, 4)):

@@ -10,7 +10,7 @@ from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from pydrake.trajectories import PathParameterizedTrajectory, PiecewisePolynomial
 
 from fikm_drake.arrays import Array
-from fikm_drake.solvers.paths.joint_path import JointPath, PathStatus
+from fikm_drake.kinematics.serial_chain import SerialChain
 
 NEAR = 1e-9
 """Rows of a path that differ by less are one [rad or m]."""
@@ -25,38 +25,28 @@ SPEED = 1.0
 
 
 def path_trajectory(
-    path: JointPath,
+    chain: SerialChain,
+    q: Array,
     *,
     velocity_limits: ArrayLike | None = None,
     acceleration_limits: ArrayLike | None = None,
 ) -> PathParameterizedTrajectory:
-    """The joint path as a trajectory in time, from rest to rest, as fast as the limits allow.
-
-        trajectory = fd.path_trajectory(fd.joint_path(arm, poses))
-        q = trajectory.value(0.5 * trajectory.end_time())
+    """Joint positions as a trajectory in time, from rest to rest, as fast as the limits allow.
 
     Between the path's rows the joints follow a cubic spline.
 
     Args:
-        path: with every target followed.
+        chain: the arm.
+        q: joint positions (N,n) one after the other [rad or m].
         velocity_limits: of each joint, one number or (n,) [rad/s or m/s]; None: the chain's, and 1 for
             joints that have none.
         acceleration_limits: of each joint, one number or (n,) [rad/s² or m/s²]; None: the chain's,
             and for joints that have none, what reaches the limit of speed in 0.1 s.
 
     Raises:
-        ValueError: the path was not followed throughout (the message says where not), has fewer than two
-            different rows, or a limit is not positive.
+        ValueError: there are fewer than two different rows, or a limit is not positive and finite.
         RuntimeError: Toppra finds no solution.
     """
-    if not path.success:
-        bad = np.flatnonzero(path.status != PathStatus.FOLLOWED)
-        word = PathStatus(int(path.status[bad[0]])).name
-        raise ValueError(
-            f"the path must be followed throughout, but {len(bad)} of its {len(path)} targets are not: "
-            f"target {bad[0]} is {word}"
-        )
-    chain = path.chain
     n = chain.num_joints
     speeds = np.where(np.isfinite(chain.velocity_limits), chain.velocity_limits, SPEED)
     speeds = _limits("velocity_limits", velocity_limits, speeds)
@@ -66,8 +56,8 @@ def path_trajectory(
         speeds / ACCELERATION_TIME,
     )
     accelerations = _limits("acceleration_limits", acceleration_limits, own)
-    moves = np.abs(np.diff(path.q, axis=0)).max(axis=1) > NEAR
-    rows = path.q[np.r_[True, moves]]
+    moves = np.abs(np.diff(q, axis=0)).max(axis=1) > NEAR
+    rows = q[np.r_[True, moves]]
     if len(rows) < 2:
         raise ValueError("the path must have at least two rows that differ")
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(rows, axis=0) / speeds, axis=1))]
