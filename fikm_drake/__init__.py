@@ -50,7 +50,6 @@ from fikm_drake.fuzzy.teaching import (
     write_rules_page,
 )
 from fikm_drake.kinematics.add_dh_arm import AddDhArm, MakeDhArmPlant
-from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.arm_drawing import arm_drawing
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform, DhUnit
@@ -126,7 +125,6 @@ from fikm_drake.systems.variable_gain import VariableGain
 __version__ = "0.1.0"
 
 __all__ = [
-    "AddArmCapsules",
     "AddDhArm",
     "AddFuzzyIkController",
     "AddFuzzyIkTorqueController",

@@ -31,6 +31,8 @@ BLOCKED = 0.5
 """The arm is blocked where obstacles take away this fraction of the step [-]."""
 DAMPING = 0.05
 """Of the motion that gives way, over the mean square of the rows of the Jacobian [-]."""
+AHEAD = 1e-6
+"""Length of a step that shows which way a distance changes [rad or m]."""
 USELESS = (0.002, 0.005)
 """The first fraction of the task's motion is not worth a motion of the joints, the second is [-]."""
 UNFELT = 1e-18
@@ -110,6 +112,7 @@ class Clearance:
         self._rates = clearance_table(load_clearance_rules(config.rules))
         self._least_share = self._share(float(self._rates.consequents.min()))
         self._tolerance = 0.1 * LOSS * self._least_share
+        self._padded = checker.GetLargestPadding
         self._calc = checker.CalcContextRobotClearance
         self._scratch = _Scratch(checker)
         self._plant = checker.plant()
@@ -148,7 +151,7 @@ class Clearance:
             if others is not None:
                 full[self._others] = others
         found = self._calc(self._scratch.context, full, within or self.config.influence_distance)
-        distances, rows = found.distances(), found.jacobians()
+        distances, rows = found.distances(), np.array(found.jacobians())
 
         def bodies(i: int) -> tuple[int, int]:
             return int(found.robot_indices()[i]), int(found.other_indices()[i])
@@ -157,10 +160,31 @@ class Clearance:
             rows = rows[:, self._indices]
         squares = np.einsum("ij,ij->i", rows, rows)
         felt = (squares > UNFELT) & (squares < inf)
-        if felt.all():
-            return Near(distances, rows, bodies)
-        ours = np.flatnonzero(felt)
-        return Near(distances[ours], rows[ours], lambda i: bodies(int(ours[i])))
+        near = Near(distances, rows, bodies)
+        if not felt.all():
+            ours = np.flatnonzero(felt)
+            near = Near(distances[ours], rows[ours], lambda i: bodies(int(ours[i])))
+        if len(near.distances) and near.distances.min() < 0.0 and self._padded() > 0.0:
+            self._turn_rows(full, near)
+        return near
+
+    def _turn_rows(self, full: Array, near: Near) -> None:
+        """Turn rows that point into an obstacle.
+
+        Drake 1.51 to 1.58 turn a row the wrong way while only the padding is penetrated, where the distance
+        less the padding is negative and the distance is not.
+        """
+        for i in np.flatnonzero(near.distances < 0.0).tolist():
+            row, d = near.rows[i], float(near.distances[i])
+            size = float(np.linalg.norm(row))
+            moved = full.copy()
+            moved[self._indices] += AHEAD * row / size
+            found = self._calc(self._scratch.context, moved, self.config.influence_distance)
+            pairs = zip(found.robot_indices(), found.other_indices(), found.distances().tolist())
+            pair = near.bodies(i)
+            changes = [x - d for a, b, x in pairs if (int(a), int(b)) == pair]
+            if changes and min(changes, key=lambda x: abs(abs(x) - AHEAD * size)) < 0.0:
+                near.rows[i] = -row
 
     def distance(self, q: Array, others: Array | None = None) -> float:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad q."""

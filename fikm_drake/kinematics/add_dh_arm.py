@@ -18,7 +18,7 @@ def AddDhArm(plant: MultibodyPlant, arm: DhArm, *, capsules: bool = True) -> Mod
     Args:
         plant: not finalized.
         arm: the arm.
-        capsules: False leaves out what collides, for shapes of your own such as `AddArmCapsules` makes.
+        capsules: False leaves out what collides, for shapes of your own.
 
     Raises:
         ValueError: the plant is finalized already.

@@ -2,14 +2,13 @@
 
 from pathlib import Path
 
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, Frame, JointIndex
 
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.plant_frames import frame_by_name
+from fikm_drake.kinematics.robot_file import MakeRobotPlant
 from fikm_drake.kinematics.serial_chain import SerialChain
-from fikm_drake.resources import ConfigureParser
 
 MODELS = (".urdf", ".sdf", ".xml")
 
@@ -18,56 +17,35 @@ def load_chain(robot: str | Path, frame: str | None = None) -> SerialChain:
     """The chain of an arm by the name of one of ours, or of a file.
 
     Args:
-        robot: a name such as `panda`, a DH table (.yaml), or a model (.urdf, .sdf, .xml), whose base is
-            welded to the world if it floats.
+        robot: a name such as `panda`, a DH table (.yaml), or a model (.urdf, .sdf, .xml), as of `AddRobot`.
         frame: of a model, the tool's frame by name; None: that of the body furthest out.
 
     Raises:
         FileNotFoundError: there is no such file or arm.
-        ValueError: Drake cannot read the file, or there is no such frame; the message lists the frames.
+        ValueError: the file is no robot, or there is no such frame; the message lists the frames.
     """
     if Path(robot).suffix not in MODELS:
         return load_arm(robot).chain
-    plant = MultibodyPlant(0.0)
-    end = parse_robot(plant, robot)
-    return SerialChain.from_plant(plant, end if frame is None else frame_by_name(plant, frame))
+    plant = MakeRobotPlant(robot)
+    end = last_frame(plant) if frame is None else frame_by_name(plant, frame)
+    return SerialChain.from_plant(plant, end)
 
 
-def parse_robot(plant: MultibodyPlant, robot: str | Path) -> Frame:
-    """Add a model to an empty plant, weld its base, finalize; returns the frame of its last body.
+def last_frame(plant: MultibodyPlant) -> Frame:
+    """The frame of the body that most joints carry, the first of several.
 
     Raises:
-        FileNotFoundError: there is no such file.
-        ValueError: Drake cannot read it.
+        ValueError: the plant has no bodies.
     """
-    path = Path(robot)
-    if not path.is_file():
-        raise FileNotFoundError(f"no model file {path}")
-    parser = Parser(plant)
-    ConfigureParser(parser)
-    try:
-        parser.AddModels(str(path))
-    except RuntimeError as error:
-        raise ValueError(f"{path} is not a model that Drake can read: {error}") from error
     parents: dict[int, int] = {}
-    for i in plant.GetJointIndices():
-        joint = plant.get_joint(JointIndex(i))
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(JointIndex(index))
         parents[int(joint.child_body().index())] = int(joint.parent_body().index())
-    depths = {i: _depth(i, parents) for i in range(1, plant.num_bodies())}
+    depths = {}
+    for i in range(1, plant.num_bodies()):
+        body, depths[i] = i, 0
+        while body in parents and depths[i] <= len(parents):
+            body, depths[i] = parents[body], depths[i] + 1
     if not depths:
-        raise ValueError(f"{path} has no bodies")
-    last = max(depths, key=lambda i: (depths[i], -i))
-    root = last
-    while root in parents and parents[root] != 0:
-        root = parents[root]
-    if root not in parents:
-        plant.WeldFrames(plant.world_frame(), plant.get_body(BodyIndex(root)).body_frame())
-    plant.Finalize()
-    return plant.get_body(BodyIndex(last)).body_frame()
-
-
-def _depth(body: int, parents: dict[int, int]) -> int:
-    depth = 0
-    while body in parents and depth <= len(parents):
-        body, depth = parents[body], depth + 1
-    return depth
+        raise ValueError("the robot has no bodies")
+    return plant.get_body(BodyIndex(max(depths, key=lambda i: (depths[i], -i)))).body_frame()

@@ -16,12 +16,12 @@ from pydrake.planning import (
 
 from fikm_drake.checks import check_not_negative, check_positive_finite
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
-from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.copy_plant import copy_plant
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.robot_file import AddRobot
 from fikm_drake.resources import ConfigureParser
 
-DIRECTIVES, MODELS = (".yaml", ".yml"), (".urdf", ".sdf", ".xml", ".mjcf", ".usd")
+DIRECTIVES = (".yaml", ".yml")
 
 Populate: TypeAlias = Callable[[RobotDiagramBuilder], None]
 Source: TypeAlias = str | Path | DhArm | MultibodyPlant | Populate
@@ -42,14 +42,15 @@ def MakeCollisionChecker(
         checker = fd.MakeCollisionChecker(fd.load_arm("iiwa14"), "table.sdf")  # an arm, capsules, a table
 
     Args:
-        sources: one after the other: paths of model directives (.yaml) or models (.urdf, .sdf, .xml);
-            a `DhArm`, welded to the world, with capsules along its links; a function that fills a
+        sources: one after the other: paths of model directives (.yaml) or models, as of `AddRobot`;
+            a `DhArm`, welded to the world, whose shapes are capsules along its links; a function that fills a
             RobotDiagramBuilder; or, alone, a finalized plant, whose joints and collision shapes
             are copied: what is changed of it later is not seen.
         scene_graph: with a plant, the one that it is registered with.
         robots: names of the model instances that count as the robot: only their bodies are checked, against
             each other and against all else; empty: all that have joints of one position.
-        robot_padding: between the robot and all else [m]; what is left of a distance counts.
+        robot_padding: between the robot and all else [m]; what is left of a distance counts. The capsules
+            of a `DhArm` are thin (3 % of its reach): pad them to the thickness of yours.
         self_padding: between bodies of the robot [m].
         edge_step_size: of Drake's own checks of edges [rad or m].
 
@@ -91,24 +92,22 @@ def _add(
 ) -> None:
     plant = robot.plant()
     if isinstance(source, DhArm):
-        AddArmCapsules(plant, robot.scene_graph(), source, AddDhArm(plant, source, capsules=False))
+        AddDhArm(plant, source)
     elif isinstance(source, MultibodyPlant):
         if scene_graph is None or not alone:
             raise ValueError("a plant needs its scene_graph, and must be the only source")
         copy_plant(source, scene_graph, plant, robot.scene_graph())
     elif isinstance(source, str | Path):
         path = Path(source)
+        if path.suffix not in DIRECTIVES:
+            AddRobot(plant, path)
+            return
         if not path.is_file():
-            raise FileNotFoundError(f"no model or directives file {path}")
+            raise FileNotFoundError(f"no model directives {path}")
         try:
-            if path.suffix in DIRECTIVES:
-                ProcessModelDirectives(LoadModelDirectives(str(path)), robot.parser())
-            elif path.suffix in MODELS:
-                robot.parser().AddModels(str(path))
-            else:
-                raise ValueError(f"must end in one of {DIRECTIVES + MODELS}")
-        except (RuntimeError, ValueError) as error:
-            raise ValueError(f"{path} is no model or model directives: {error}") from error
+            ProcessModelDirectives(LoadModelDirectives(str(path)), robot.parser())
+        except (RuntimeError, ValueError, SystemExit) as error:
+            raise ValueError(f"{path} is no model directives: {error}") from error
     elif callable(source):
         source(robot)
     else:

@@ -10,7 +10,7 @@ from pydrake.systems.framework import DiagramBuilder
 from fikm_drake.files import write_whole
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.load_robot import parse_robot
+from fikm_drake.kinematics.robot_file import AddRobot
 from fikm_drake.solvers.paths.joint_path import JointPath
 
 FRAMES_PER_SECOND = 50.0
@@ -45,9 +45,9 @@ def write_path_html(
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     if isinstance(robot, DhArm):
         AddDhArm(plant, robot)
-        plant.Finalize()
     else:
-        parse_robot(plant, robot)
+        AddRobot(plant, robot)
+    plant.Finalize()
     visualizer = MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
     diagram = builder.Build()
     context = diagram.CreateDefaultContext()

@@ -40,7 +40,9 @@ def world(*shapes, floating=False):
 
 
 def clearance(*shapes, rate=100.0, config=None, floating=False):
-    checker = fd.MakeCollisionChecker(ARM, world(*shapes, floating=floating), robots=["iiwa14"])
+    checker = fd.MakeCollisionChecker(
+        ARM, world(*shapes, floating=floating), robots=["iiwa14"], robot_padding=0.03
+    )
     return Clearance(checker, config, period=1.0 / rate)
 
 
@@ -78,8 +80,9 @@ def test_without_anything_near_the_step_is_the_step():
     assert info == (np.inf, False, (-1, -1))
 
 
-def test_rows_are_the_derivatives_of_the_distances():
-    guard = clearance((Sphere(0.1), TOOL + [0.0, 0.2, 0.0]))
+@pytest.mark.parametrize("away", [0.2, 0.14, 0.1])  # clear; the padding penetrated; penetrated
+def test_rows_are_the_derivatives_of_the_distances(away):
+    guard = clearance((Sphere(0.1), TOOL + [0.0, away, 0.0]))
     near = guard.near(HOME)
     assert len(near.distances)
     for j in range(7):
@@ -147,7 +150,10 @@ def test_what_moves_toward_the_arm_is_evaded():
 def test_what_a_hand_holds_counts():
     guard_alone = clearance((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25]))
     checker = fd.MakeCollisionChecker(
-        ARM, world((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25])), robots=["iiwa14"]
+        ARM,
+        world((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25])),
+        robots=["iiwa14"],
+        robot_padding=0.03,
     )
     guard = Clearance(checker, period=0.01)
     body = checker.plant().GetBodyByName("tool")

@@ -9,7 +9,6 @@ from pydrake.multibody.tree import BallRpyJoint, SpatialInertia
 from pydrake.systems.framework import DiagramBuilder
 
 import fikm_drake as fd
-from fikm_drake.kinematics.arm_capsules import AddArmCapsules
 from fikm_drake.kinematics.checker_joints import checker_indices, joint_reach
 
 SDF = """<sdf version="1.9"><model name="table"><static>true</static><link name="top">
@@ -28,9 +27,7 @@ def scene(joint=None):
     plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.001)
     for name in ("iiwa14", "panda"):
         arm = fd.load_arm(name)
-        AddArmCapsules(
-            plant, scene_graph, arm, fd.AddDhArm(plant, arm, capsules=False), radius=0.06
-        )
+        fd.AddDhArm(plant, arm)
     ball = plant.AddRigidBody(
         "ball", plant.AddModelInstance("ball"), SpatialInertia.SolidSphereWithMass(1.0, 0.1)
     )
@@ -62,7 +59,7 @@ def test_plant_and_its_scene_have_the_same_distances():
             assert poses[0].IsNearlyEqualTo(poses[1], 1e-12)
     found = checker.CalcRobotClearance(q, 10.0)
     bodies = {checker.get_body(i).scoped_name().get_full() for i in found.other_indices()}
-    assert {"ball::ball", "panda::link4", "iiwa14::link7"} <= bodies
+    assert {"ball::ball", "panda::link4", "panda::link7"} <= bodies
     assert not found.jacobians()[:, 7:].any()  # the other arm is no robot
 
 
@@ -133,10 +130,3 @@ def test_a_joint_that_cannot_be_copied_is_named():
     plant, scene_graph = scene(BallRpyJoint)
     with pytest.raises(ValueError, match="'loose'"):
         fd.MakeCollisionChecker(plant, scene_graph=scene_graph)
-
-
-def test_capsules_need_a_scene():
-    arm, plant = fd.load_arm("panda"), MultibodyPlant(0.0)
-    instance = fd.AddDhArm(plant, arm)
-    with pytest.raises(ValueError, match="SceneGraph"):
-        AddArmCapsules(plant, None, arm, instance)

@@ -104,7 +104,7 @@ def test_with_obstacles_the_forearm_gives_way():
         plant, X = robot.plant(), RigidTransform(beside)
         plant.RegisterCollisionGeometry(plant.world_body(), X, Sphere(0.02), "s", CoulombFriction())
 
-    checker = fd.MakeCollisionChecker(PANDA, populate)
+    checker = fd.MakeCollisionChecker(PANDA, populate, robot_padding=0.03)
     guard = fd.Clearance(checker, period=0.01)
     assert guard.is_clear(HOME) and not all(guard.is_clear(q) for q in alone.q)
     path = fd.joint_path(PANDA, points, initial_position=HOME, collision_checker=checker)
