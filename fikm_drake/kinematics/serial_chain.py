@@ -13,6 +13,7 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_table import JOINT_TYPES, DhTable
 from fikm_drake.kinematics.frames import Frames, FramesOfPostures
 from fikm_drake.kinematics.native.native_kinematics import NativeKinematics, native_kinematics
+from fikm_drake.kinematics.one_posture import OnePosture
 from fikm_drake.kinematics.transforms import joint_motion
 
 if TYPE_CHECKING:
@@ -177,6 +178,11 @@ class SerialChain:
         return FramesOfPostures(self.before, self.tool, self.revolute)
 
     @cached_property
+    def one(self) -> OnePosture:
+        """Kinematics of one posture at a time, in numpy."""
+        return OnePosture(self.before, self.tool, self.revolute)
+
+    @cached_property
     def _native(self) -> NativeKinematics | None:
         return native_kinematics(self.packed(), self.num_joints)
 
@@ -203,6 +209,8 @@ class SerialChain:
         q = self.checked(q)
         if self._native:
             return self._native.poses(np.ascontiguousarray(q))
+        if q.ndim == 1:
+            return self.one.poses(q)[1]
         frames = self._frames(q.reshape(-1, self.num_joints).T)
         X = np.zeros((frames.position.shape[1], 4, 4))
         X[:, :3, :3] = frames.rotation.transpose(2, 1, 0)
@@ -225,6 +233,8 @@ class SerialChain:
         q = self.checked(q)
         if self._native:
             return self._native.jacobians(np.ascontiguousarray(q))
+        if q.ndim == 1:
+            return self.one.jacobian(*self.one.poses(q))
         J = self._frames(q.reshape(-1, self.num_joints).T).jacobian()
         return np.ascontiguousarray(J.transpose(2, 0, 1)).reshape(*q.shape[:-1], *J.shape[:2])
 

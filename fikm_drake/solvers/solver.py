@@ -78,7 +78,7 @@ class Solver:
         task: str = "position",
         tolerance: float | tuple[float, float] = TOLERANCE,
         limits: bool = True,
-        restarts: int = 100,
+        restarts: int = 250,
         max_cycles: int = 60,
         seed: int = 0,
     ) -> None:
@@ -232,7 +232,7 @@ def solve_batch(
     initial_position: ArrayLike | None = None,
     tolerance: float | tuple[float, float] = TOLERANCE,
     limits: bool = True,
-    restarts: int = 100,
+    restarts: int = 250,
     max_cycles: int = 60,
     seed: int = 0,
     threads: int | None = None,

@@ -54,6 +54,19 @@ def test_kinematics_equal_those_of_numpy(native_kernel, most):
             np.testing.assert_array_equal(X[:, 3], np.tile([0.0, 0.0, 0.0, 1.0], (len(X), 1)))
 
 
+def test_one_posture_equals_many():
+    for chain in chains():
+        q = np.random.default_rng(3).uniform(-7.0, 7.0, chain.num_joints)
+        frames = chain.frames(q[:, None])
+        poses, X = chain.one.poses(q)
+        exact = {"rtol": 0, "atol": 1e-12}
+        np.testing.assert_allclose(X[:3, 3], frames.position[:, 0], **exact)
+        np.testing.assert_allclose(X[:3, :3], frames.rotation[..., 0].T, **exact)
+        for length in (1.0, 0.3, None):
+            J = chain.one.jacobian(poses, X, length)
+            np.testing.assert_allclose(J, frames.jacobian(length)[..., 0], **exact)
+
+
 def test_large_angles_and_small_ones(native_kernel):
     chain = fd.load_arm("planar2").chain
     native = NativeKinematics(native_kernel, chain.packed(), 2)

@@ -12,6 +12,7 @@ from fikm_drake.solvers.batch import descent as constants
 from fikm_drake.solvers.batch.batch_solution import SolverStatus
 from fikm_drake.solvers.batch.batch_targets import FARTHEST, ORTHONORMAL, BatchTargets, are_valid
 from fikm_drake.solvers.batch.descent import LENGTH, Descent, Ends
+from fikm_drake.solvers.batch.descent_of_one import descend_one
 from fikm_drake.solvers.batch.problem import Problem
 
 CHUNK = 2048
@@ -75,7 +76,11 @@ class NumpySearch:
                 rows = chunk[here]
                 some = wanted.take(np.flatnonzero(here))
                 begin = np.ascontiguousarray(q[rows].T)
-                _write(q, figures, rows, descent.run(begin, some, np.arange(rows.size)))
+                if rows.size == 1 and not descent.careful:
+                    _write(q, figures, rows, descend_one(descent, begin, some))
+                elif rows.size:
+                    ends = descent.run(begin, some, np.arange(rows.size))
+                    _write(q, figures, rows, ends)
             far &= figures[chunk, STATUS] != SolverStatus.SOLVED
             figures[chunk[far], STATUS] = SolverStatus.OUT_OF_REACH
 
