@@ -4,11 +4,25 @@ import numpy as np
 import pytest
 
 import fikm_drake as fd
-from fikm_drake.experiments.reproduce.fikm import EXPERIMENTS, ablation, costs, paths
+from fikm_drake.experiments.reproduce.fikm import (
+    EXPERIMENTS,
+    ablation,
+    costs,
+    paths,
+    random_curves,
+)
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """The same claims on fewer curves and rounds."""
+    monkeypatch.setattr(random_curves, "CURVES", 8)
+    monkeypatch.setattr(random_curves, "DEFAULT_CURVES", 1)
+    monkeypatch.setattr(costs, "ROUNDS", 2)
 
 
 @pytest.mark.parametrize("key", [key for key in EXPERIMENTS if key != "times"])
-def test_reproduces(key):
+def test_reproduces(key, small):
     section = EXPERIMENTS[key]()
     assert section.key == key
     assert section.reached, str(section)

@@ -5,13 +5,20 @@ import pytest
 
 import fikm_drake as fd
 from fikm_drake.experiments.benchmarks.rate_benchmark import rate_benchmark
-from fikm_drake.experiments.reproduce.frmrc import EXPERIMENTS, random_lines
-from fikm_drake.experiments.reproduce.frmrc.past import CASES, longer
-from fikm_drake.experiments.reproduce.frmrc.pictures import errors_before
+from fikm_drake.experiments.reproduce.conventions import errors_before
+from fikm_drake.experiments.reproduce.frmrc import EXPERIMENTS, past, random_lines, tracking
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """The same claims at two of the three rates, on fewer lines and cases."""
+    monkeypatch.setattr(tracking, "RATES", (50.0, 100.0))
+    monkeypatch.setattr(random_lines, "LINES", 200)
+    monkeypatch.setattr(past, "CASES", 4000)
 
 
 @pytest.mark.parametrize("key", EXPERIMENTS)
-def test_reproduces(key):
+def test_reproduces(key, small):
     section = EXPERIMENTS[key]()
     assert section.key == key
     assert section.reached, str(section)
@@ -61,7 +68,7 @@ def test_batch_loop_is_the_simulators():
 
 def test_paper_variant_does_step_the_wrong_way():
     """So that the count of zero for `smooth` means something."""
-    assert 0 < longer("paper", 1.4, None) < 0.2 * CASES
+    assert 0 < past.longer("paper", 1.4, None) < 0.2 * past.CASES
 
 
 def test_benchmark_measures_every_law():

@@ -16,7 +16,8 @@ TABLE_6 = {  # e_max, e_mean, e_ss [m]
 
 def simulate(name, **changes):
     scenario = fd.load_scenario(name)
-    return fd.simulate(replace(scenario, config=replace(scenario.config, **changes)))
+    config = replace(scenario.config, **{"fused": True} | changes)
+    return fd.simulate(replace(scenario, config=config))
 
 
 @pytest.fixture(scope="module")

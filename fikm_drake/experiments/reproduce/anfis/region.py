@@ -87,7 +87,7 @@ def region(trajectory: Trajectory) -> Region:
 def plot_region(axes: Axes, found: Region, joint: int, arm: DhArm) -> None:
     """Draw the region of a joint; the colour of a border tells which limit ends it."""
     lower, upper = found.bounds(joint)
-    axes.fill_between(found.percent, lower, upper, color="0.9")
+    axes.fill_between(found.percent, lower, upper, color="0.8")
     for side, bound in (("lower_end", lower), ("upper_end", upper)):
         ends = [getattr(at[joint - 1][0], side) if at[0] else "" for at in found.intervals]
         for name, colour in COLOURS.items():
@@ -99,7 +99,7 @@ def plot_region(axes: Axes, found: Region, joint: int, arm: DhArm) -> None:
         0,
         1,
         where=infeasible.tolist(),
-        color="0.6",
+        color="0.45",
         transform=axes.get_xaxis_transform(),
     )
     for limit in (arm.lower[joint - 1], arm.upper[joint - 1]):
@@ -122,9 +122,10 @@ def plot_regions(found: Region) -> Figure:
             for name, colour in COLOURS.items()
         ),
         Line2D([], [], color="black", ls="--", lw=0.8, label="limits"),
-        Line2D([], [], color="0.6", lw=6, label="infeasible"),
+        Line2D([], [], color="0.8", lw=6, label="feasible"),
+        Line2D([], [], color="0.45", lw=6, label="infeasible"),
     ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=6, frameon=False)
+    figure.legend(handles=handles, loc="outside upper center", ncols=7, frameon=False)
     return figure
 
 

@@ -2,8 +2,10 @@
 
 from fikm_drake.experiments.reproduce.fikm.ablation import ablation
 from fikm_drake.experiments.reproduce.fikm.claims import claims
-from fikm_drake.experiments.reproduce.fikm.costs import table_7, times
+from fikm_drake.experiments.reproduce.fikm.costs import direct, table_7, times
+from fikm_drake.experiments.reproduce.fikm.lost_numbers import readings
 from fikm_drake.experiments.reproduce.fikm.past import past, supervise, torque
+from fikm_drake.experiments.reproduce.fikm.random_curves import spread
 from fikm_drake.experiments.reproduce.fikm.rules import table_1, table_2
 from fikm_drake.experiments.reproduce.fikm.stability import stability
 from fikm_drake.experiments.reproduce.fikm.tracking import (
@@ -27,6 +29,9 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 19": figure_19,
     "figure 21": figure_21,
     "table 6": table_6,
+    "readings": readings,
+    "spread": spread,
+    "direct": direct,
     "ablation": ablation,
     "past": past,
     "table 7": table_7,

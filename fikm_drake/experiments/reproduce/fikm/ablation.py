@@ -1,6 +1,7 @@
 """Paper 1, section 2.7: what each of its modifications is worth."""
 
 import dataclasses
+from functools import cache
 
 import numpy as np
 
@@ -50,6 +51,7 @@ def variants() -> dict[str, FuzzyIkConfig]:
     }
 
 
+@cache
 def ablation() -> Section:
     """Section 2.7 without the gain, the oscillation rule, each filter: a line, and a hard target."""
     cells = []

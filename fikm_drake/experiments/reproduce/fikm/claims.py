@@ -11,6 +11,8 @@ from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
+PRINTED = "279, 179 by its cells"
+"""The growth that the text states, and the one of its Table VI: 3.07 over 1.10."""
 SETTLED = 0.01
 """What we call zero after one second of hold [cm]."""
 
@@ -39,7 +41,9 @@ def claims() -> Section:
     slow, fast = logs["7 joints, line in 10 s"].metrics(), logs["7 joints, line in 2 s"].metrics()
     cells += [
         Cell("line, 5 times the speed: e_mean grows by [%]", 78, _growth(slow.e_mean, fast.e_mean)),
-        Cell("line, 5 times the speed: e_max grows by [%]", 279, _growth(slow.e_max, fast.e_max)),
+        Cell(
+            "line, 5 times the speed: e_max grows by [%]", PRINTED, _growth(slow.e_max, fast.e_max)
+        ),
     ]
     for name, log in logs.items():
         text = " ".join(f"{x:.2f}" for x in _travel(log))

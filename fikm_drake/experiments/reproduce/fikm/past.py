@@ -148,7 +148,6 @@ def supervise() -> Section:
         "supervise",
         "Drake's differential IK, supervised",
         cells,
-        notes=[
-            "The column `paper` is Drake's own controller; more by `fikm-drake benchmark supervise`."
-        ],
+        beside="Drake's",
+        notes=["Ours is Drake's controller, supervised; more by `fikm-drake benchmark supervise`."],
     )

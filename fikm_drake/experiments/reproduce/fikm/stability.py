@@ -70,8 +70,9 @@ def stability() -> Section:
         "stability",
         f"bounds of the gain with a frozen Jacobian, {len(matrices)} random arms",
         cells,
+        beside="theory",
         notes=[
-            "3 to 9 joints, tasks of position and of pose; the column `paper` is what theory says.",
+            "3 to 9 joints, tasks of position and of pose.",
             "A direction that an arm cannot move, λ = 0, keeps its error and counts as stable.",
             "The derivation is in notebooks/stability.ipynb.",
         ],

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fikm_drake.experiments.reproduce.conventions import NOTE, error_cells
 from fikm_drake.experiments.reproduce.fikm import paths
 from fikm_drake.experiments.reproduce.report import Cell, Section, at_most
 from fikm_drake.simulation.plot_log import plot_log
@@ -24,15 +25,18 @@ def table_6() -> Section:
         speed = paths.path_length(log.scenario.waypoints) / log.scenario.duration
         label = f"{100 * speed:5.2f} cm/s"
         cells += [
-            at_most(f"{label}, e_max [cm]", e_max, 100 * m.e_max),
-            at_most(f"{label}, e_mean [cm]", e_mean, 100 * m.e_mean),
+            *error_cells(log, (e_max, e_mean), f"{label}, "),
             at_most(f"{label}, e_ss [cm]", 0.09, 100 * m.e_ss)
             if e_ss
             else Cell(f"{label}, e_ss [cm]", None, 100 * m.e_ss),
         ]
         pictures[f"table_6_{seconds}s"] = plot_log(log)
     return Section(
-        "table 6", "speed and error, the 7-joint arm on a line of 93.5 cm", cells, pictures=pictures
+        "table 6",
+        "speed and error, the 7-joint arm on a line of 93.5 cm",
+        cells,
+        NOTE,
+        pictures,
     )
 
 
@@ -109,8 +113,7 @@ def _curve(
     measured = paths.path_length(scenario.waypoints)
     cells = [
         Cell("length of the path [m]", length, measured, abs(measured - length) < 1e-6),
-        at_most("e_max [cm]", paper[0], 100 * m.e_max),
-        at_most("e_mean [cm]", paper[1], 100 * m.e_mean),
+        *error_cells(log, paper[:2]),
         Cell("e_ss [cm]", paper[2], 100 * m.e_ss, reached=100 * m.e_ss <= SETTLED),
         Cell("largest distance from the path [cm]", None, 100 * m.path_max),
         Cell("joint acceleration, rms [rad/s²]", None, _acceleration(log)),
@@ -120,7 +123,9 @@ def _curve(
         f"{title}, in {scenario.duration:g} s",
         cells,
         notes=[
-            "The paper's curve is lost but for its length and time; ours: experiments/fikm/paths.py."
+            *NOTE,
+            "The paper's curve is lost but for its length and time; ours: reproduce/fikm/paths.py.",
+            "How random curves fare: `--only spread`.",
         ],
         pictures={key.replace(" ", "_"): plot_log(log)},
     )

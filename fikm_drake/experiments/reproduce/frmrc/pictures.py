@@ -4,20 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fikm_drake.arrays import Array
-from fikm_drake.kinematics.task import Task
+from fikm_drake.experiments.reproduce.conventions import errors_before
 from fikm_drake.simulation.tracking_log import TrackingLog
-
-
-def errors_before(log: TrackingLog) -> Array:
-    """Desired minus actual at the start of each cycle (N,m) [m], as the paper takes it.
-
-    The log's own error is after the cycle's step.
-    """
-    scenario = log.scenario
-    coordinates = Task(scenario.controller_config().task).coordinates
-    start = scenario.load_arm().forward_kinematics(scenario.start())[coordinates, 3]
-    return log.desired - np.concatenate([start[None], log.actual[:-1]])
 
 
 def comparison(logs: dict[str, TrackingLog], shown: str, count: int) -> Figure:
