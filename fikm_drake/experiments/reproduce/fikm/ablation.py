@@ -56,6 +56,7 @@ def ablation() -> Section:
     """Section 2.7 without the gain, the oscillation rule, each filter: a line, and a hard target."""
     cells = []
     for name, config in variants().items():
+        config = dataclasses.replace(config, fused=True)
         line = simulate(dataclasses.replace(load_scenario(LINE), config=config))
         m = line.metrics()
         figures = (

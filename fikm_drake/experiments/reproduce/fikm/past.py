@@ -65,6 +65,8 @@ def _settled(log: TrackingLog) -> float:
     return (late[-1] + 1) / log.scenario.control_rate if late.size else 0.0
 
 
+SECONDS = (10, 5, 2)
+"""Of Table VI's lines [s]."""
 FACTOR = 1.5
 """Largest ratio to the kinematic errors that we claim."""
 
@@ -72,7 +74,7 @@ FACTOR = 1.5
 def torque() -> Section:
     """The line of Table VI with Drake's InverseDynamicsController and a MultibodyPlant."""
     cells = []
-    for seconds in (10, 5, 2):
+    for seconds in SECONDS:
         scenario = load_scenario(f"table6_{seconds}s")
         ideal = simulate(scenario).metrics()
         cells.append(Cell(f"{seconds} s, kinematic", None, _text(ideal)))
