@@ -7,7 +7,7 @@ from statistics import median
 
 import numpy as np
 
-from fikm_drake.arrays import Bools
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.experiments.benchmarks.interleaved import interleaved
 from fikm_drake.experiments.reproduce.conventions import both
 from fikm_drake.experiments.reproduce.report import Cell, Section, equal
