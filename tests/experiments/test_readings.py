@@ -9,13 +9,12 @@ import fikm_drake as fd
 from fikm_drake.experiments.reproduce.conventions import both, error_cells
 from fikm_drake.experiments.reproduce.fikm import lost_numbers, paths, random_curves
 from fikm_drake.experiments.reproduce.fikm.rollout import Reading, rollout
-from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 
 @pytest.mark.parametrize("make", [paths.curve_4_joints, lambda: fd.load_scenario("table6_2s")])
 def test_rollout_is_the_diagrams(make):
     scenario = make()
-    log = fd.simulate(replace(scenario, config=fd.FuzzyIkConfig.as_in_paper(fused=True)))
+    log = fd.simulate(replace(scenario, config=fd.FuzzyIkConfig(fused=True).as_in_paper()))
     run = rollout(scenario.load_arm(), scenario.start()[None], log.desired[:, None])
     np.testing.assert_allclose(run.q[:, 0], log.q, rtol=0, atol=1e-10)
     after, before = both(log)
@@ -25,9 +24,9 @@ def test_rollout_is_the_diagrams(make):
 
 def test_unsupervised_rollout_is_resolved_rate():
     scenario = paths.curve_2_joints()
-    config = fd.FuzzyIkConfig.resolved_rate(iterations=2, fused=True)
+    law = fd.FuzzyMapping(iterations=2)
+    config = fd.FuzzyIkConfig(law=law, fused=True).resolved_rate()
     log = fd.simulate(replace(scenario, config=config))
-    law = FuzzyMapping(iterations=2)
     starts = scenario.start()[None]
     arm = scenario.load_arm()
     run = rollout(arm, starts, log.desired[:, None], law=law, supervised=False)

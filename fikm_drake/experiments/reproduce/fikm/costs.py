@@ -189,7 +189,7 @@ def direct() -> Section:
         scenario = load_scenario(f"table6_{seconds}s")
         errors = {}
         for method in METHODS:
-            config = replace(scenario.config, method=method)
+            config = replace(scenario.config, law=FuzzyMapping(method))
             errors[method] = both(simulate(replace(scenario, config=config)))
         for quantity in ("e_max", "e_mean"):
             for method, found in errors.items():

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array, Bools
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.experiments.reproduce.fikm import paths
 from fikm_drake.experiments.reproduce.fikm.rollout import Rollout, rollout
 from fikm_drake.experiments.reproduce.report import Cell, Section
@@ -15,7 +16,6 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.simulation.simulate import simulate
 from fikm_drake.simulation.tracking_scenario import TrackingScenario
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
 
 CURVES, SEED = 100, 5
 DEFAULT_CURVES = 40
@@ -183,7 +183,7 @@ def spread() -> Section:
         other = 100.0 * float(meets(figure, sharp.before).mean())
         cells.append(
             Cell(
-                f"{figure.key}, `resolved_rate(iterations={rows})`: curves that meet it [%]",
+                f"{figure.key}, `FuzzyMapping(iterations={rows})`, resolved rate: curves that meet it [%]",
                 None,
                 share,
                 share >= CLAIMED,
@@ -198,7 +198,7 @@ def spread() -> Section:
         "J C⁻¹ Jᵀ R⁻¹; along the direction with the smallest one the tool is late by v T / (λ K). A curve",
         "that passes where that λ is small (here its lowest 10 %) misses, whatever Table I does.",
         "So the default controller, the paper's with limits and calm, misses as often. The same mapping",
-        "iterated to the pseudo-inverse, gain 1, no filters (`FuzzyIkConfig.resolved_rate`), has no slow",
+        "iterated to the pseudo-inverse, gain 1, no filters (`FuzzyIkConfig().resolved_rate()`), has no slow",
         f"direction; claimed: it meets the paper after the step on at least {CLAIMED} % of them. Before",
         "the step it finds v T: 1.33, 2.42 and .16 cm, over the paper's means of figures 13 and 16.",
     ]
