@@ -6,9 +6,10 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
-from matplotlib.figure import Figure
+if TYPE_CHECKING:  # loading matplotlib takes as long as all of pydrake
+    from matplotlib.figure import Figure
 
 
 @contextlib.contextmanager
@@ -76,7 +77,17 @@ def _umask() -> int:
     return mask
 
 
-def save_figure(figure: Figure, path: str | Path, *, dpi: int = 120) -> None:
+def new_figure(width: float, height: float) -> "Figure":
+    """An empty matplotlib figure [inches]; pyplot is not touched, so nothing has to be closed."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: "Figure", path: str | Path, *, dpi: int = 120) -> None:
     """Write a matplotlib figure to `path`, whole or not at all; see `whole_file`.
 
     Raises:

@@ -1,16 +1,19 @@
 """A picture of a run."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from fikm_drake.control.status import ControllerStatus
-from fikm_drake.files import save_figure
+from fikm_drake.files import new_figure, save_figure
 from fikm_drake.simulation.tracking_log import TrackingLog
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SHADES = {
     ControllerStatus.OSCILLATING: "tab:orange",
@@ -35,8 +38,7 @@ def plot_log(log: TrackingLog, path: str | Path | None = None) -> Figure:
         OSError: the file cannot be written.
         ValueError: matplotlib does not know the file's type.
     """
-    figure = Figure(figsize=(11, 7), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11, 7)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.15, 1))
     error = figure.add_subplot(grid[0, 0])
     gain = figure.add_subplot(grid[1, 0], sharex=error)
@@ -101,6 +103,8 @@ def _plot_path(axes: Axes, log: TrackingLog) -> None:
     axes.plot(*waypoints[-1:].T, "kx", markersize=7, label="target")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
     if isinstance(axes, Axes3D):
         axes.set_zlabel("z [m]")
         axes.locator_params(nbins=5)

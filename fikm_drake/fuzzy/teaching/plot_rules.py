@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from fikm_drake.checks import check_counts
+from fikm_drake.files import new_figure
 from fikm_drake.fuzzy.teaching.explanation import Explanation, ViewedRule, ViewedVariable
 from fikm_drake.fuzzy.teaching.fuzzy_view import fuzzy_view
 from fikm_drake.fuzzy.teaching.plots import output_number
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 INPUT, OUTPUT, VALUE = "tab:blue", "tab:orange", "tab:red"
 POINTS = 301
@@ -46,8 +50,7 @@ def plot_rules(
     told = view.explain(np.asarray(point, dtype=float), output_number(view, output))
     shown = told.strongest(most)
     rows, columns = len(shown) + 1, len(view.inputs) + 1
-    figure = Figure(figsize=(0.8 + 2.6 * columns, 1.0 + 1.35 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(0.8 + 2.6 * columns, 1.0 + 1.35 * rows)
     grid = figure.subplots(rows, columns, squeeze=False)
     for row, rule in enumerate(shown):
         for axes, variable in zip(grid[row], view.inputs):

@@ -1,15 +1,21 @@
 """Pictures of memberships, and of an output over the inputs."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array
+from fikm_drake.files import new_figure
 from fikm_drake.fuzzy.fuzzy_variable import FuzzyVariable
 from fikm_drake.fuzzy.teaching.explanation import FuzzyView, ViewedVariable
 from fikm_drake.fuzzy.teaching.fuzzy_view import fuzzy_view, viewed
 from fikm_drake.fuzzy.triangular_partition import TriangularPartition
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 POINTS = 501
 """Along the range of a variable."""
@@ -36,8 +42,7 @@ def plot_memberships(source: FuzzyVariable | TriangularPartition | object) -> Fi
     else:
         view = fuzzy_view(source)
         variables = [v for v in (*view.inputs, *view.outputs) if v.grades is not None]
-    figure = Figure(figsize=(8, 0.6 + 2.0 * len(variables)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(8, 0.6 + 2.0 * len(variables))
     for row, variable in enumerate(variables, start=1):
         axes = figure.add_subplot(len(variables), 1, row)
         _plot_variable(axes, variable)
@@ -81,8 +86,7 @@ def plot_surface(
         raise ValueError(
             f"fixed must leave one or two of the inputs {', '.join(names)}, got {fixed}"
         )
-    figure = Figure(figsize=(6.4, 5.2 if len(free) == 2 else 3.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(6.4, 5.2 if len(free) == 2 else 3.6)
     axes = figure.add_subplot()
     axes.set_xlabel(free[0].axis)
     along = [_even(variable, resolution) for variable in free]

@@ -100,7 +100,7 @@ def _run(command: list[str]) -> str:
     return "" if done.returncode == 0 else done.stderr.strip() or f"{command[0]} failed"
 
 
-if importlib.util.find_spec("hatchling"):
+if not __package__ and importlib.util.find_spec("hatchling"):  # loaded by hatchling, by its path
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
     class NativeKernelHook(BuildHookInterface):
