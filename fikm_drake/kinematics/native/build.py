@@ -100,7 +100,8 @@ def _run(command: list[str]) -> str:
     return "" if done.returncode == 0 else done.stderr.strip() or f"{command[0]} failed"
 
 
-if not __package__ and importlib.util.find_spec("hatchling"):  # loaded by hatchling, by its path
+# Only for hatchling, which loads this file by its path.
+if not __name__.startswith("fikm_drake.") and importlib.util.find_spec("hatchling"):
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
     class NativeKernelHook(BuildHookInterface):
