@@ -1,13 +1,21 @@
 """Factories of the fuzzy IK controller."""
 
+from collections.abc import Sequence
+from typing import TypeAlias
+
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import DiagramBuilder
+from pydrake.multibody.tree import Frame, ModelInstanceIndex
+from pydrake.systems.framework import Context, DiagramBuilder
 
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
+
+Joints: TypeAlias = Sequence[str] | ModelInstanceIndex | None
+"""Which joints of a plant move: names, or those of a model instance; None: all that move the tool."""
 
 
 def MakeFuzzyIkController(
@@ -16,14 +24,27 @@ def MakeFuzzyIkController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    joints: Joints = None,
+    reference_frame: str | Frame | None = None,
+    context: Context | None = None,
 ) -> FuzzyIkController | FusedFuzzyIk:
-    """A fuzzy IK controller for `plant`: a Diagram, or one LeafSystem if `config.fused`.
+    """A fuzzy IK controller for an arm in `plant`: a Diagram, or one LeafSystem if `config.fused`.
+
+    Its n joints are those on the way from `reference_frame` to the tool, in that order; whatever else
+    is in the plant, free bodies, a gripper, a second arm, is left alone.
 
     Args:
         plant: a finalized plant with the arm; it is not copied and must live as long.
         config: by default `FuzzyIkConfig()`.
         law: another law than the config's, such as a plain function (J, dr) to a joint step.
         task: another task than the config's, an object such as `PoseTask(PlantArm(plant, "tool"))`.
+        joints: which joints on the way to the tool move: names (`instance::name`), or a model instance;
+            None: all revolute and prismatic ones that are neither locked in `context` nor fixed by
+            equal limits.
+        reference_frame: in which targets are, or its name; None: the world. Where other joints
+            than the controller's move it, `TargetInFrame` brings targets into the world.
+        context: of the plant: where other joints on the way stand, and which are locked; None: the
+            default.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -31,13 +52,23 @@ def MakeFuzzyIkController(
     Example:
         >>> import fikm_drake as fd
         >>> plant = fd.MakeDhArmPlant(fd.load_arm("planar4"))
-        >>> fd.MakeFuzzyIkController(plant, law=lambda J, dr: J.T @ dr).num_input_ports()
+        >>> ik = fd.MakeFuzzyIkController(plant, joints=["joint1", "joint3"])
+        >>> ik.GetOutputPort("commanded_position").size()
         2
     """
     config = config or FuzzyIkConfig()
     config.validate()
     controller = FusedFuzzyIk if config.fused else FuzzyIkController
-    return controller(plant, config=config, law=law, task=task)
+    whole = as_task(
+        plant,
+        config.frame,
+        task or config.task,
+        config.characteristic_length,
+        joints=joints,
+        reference_frame=reference_frame,
+        context=context,
+    )
+    return controller(plant, config=config, law=law, task=whole)
 
 
 def AddFuzzyIkController(
@@ -47,11 +78,30 @@ def AddFuzzyIkController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    joints: Joints = None,
+    reference_frame: str | Frame | None = None,
+    context: Context | None = None,
     name: str = "fuzzy_ik_controller",
 ) -> FuzzyIkController | FusedFuzzyIk:
-    """Add a fuzzy IK controller for `plant` to `builder` and return it.
+    """Add a fuzzy IK controller for an arm in `plant` to `builder` and return it.
 
-    See `FuzzyIkController` for its ports and `MakeFuzzyIkController` for the arguments and errors.
+    See `FuzzyIkController` for its ports and `MakeFuzzyIkController` for the arguments and errors. Where
+    `name` is taken already it is numbered: fuzzy_ik_controller_1.
     """
-    controller = MakeFuzzyIkController(plant, config=config, law=law, task=task)
-    return builder.AddNamedSystem(name, controller)
+    controller = MakeFuzzyIkController(
+        plant,
+        config=config,
+        law=law,
+        task=task,
+        joints=joints,
+        reference_frame=reference_frame,
+        context=context,
+    )
+    return builder.AddNamedSystem(unique_name(builder, name), controller)
+
+
+def unique_name(builder: DiagramBuilder, name: str) -> str:
+    """The name, with a number where a system of the builder has it: Drake ends the process for two."""
+    taken = {system.get_name() for system in builder.GetSystems()}
+    names = [name, *(f"{name}_{i}" for i in range(1, len(taken) + 1))]
+    return next(candidate for candidate in names if candidate not in taken)

@@ -7,7 +7,9 @@ from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Gain
 
 from fikm_drake.control.command_supervision import CommandSupervisorConfig
+from fikm_drake.diagrams.add_fuzzy_ik_controller import unique_name
 from fikm_drake.kinematics.plant_frames import check_plant
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 
@@ -41,9 +43,12 @@ class SupervisedDifferentialIk(Diagram):
     Args:
         differential_ik: a system with an input `position` (n) and an output `commanded_velocity` (n)
             for all n joints of the plant, such as Drake's `DifferentialInverseKinematicsSystem`.
-        plant: a finalized plant with the joints' limits, such as `differential_ik.plant()`.
+        plant: a finalized plant with the joints' limits, such as `differential_ik.plant()`; with the
+            arm only, unless `chain` is given.
         period: of the control cycle [s], such as `differential_ik.time_step()`.
         config: see `CommandSupervisorConfig`.
+        chain: the n joints that `differential_ik` moves, of a plant with others too; None: all of the
+            plant's.
 
     Raises:
         ValueError: the plant is not finalized or has a free base, the ports are missing or of another
@@ -57,13 +62,17 @@ class SupervisedDifferentialIk(Diagram):
         *,
         period: float,
         config: CommandSupervisorConfig | None = None,
+        chain: SerialChain | None = None,
     ) -> None:
         super().__init__()
-        check_plant(plant)
-        n = plant.num_positions()
+        if chain is None:
+            check_plant(plant)
+            lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
+            start = np.clip(plant.GetPositions(plant.CreateDefaultContext()), lower, upper)
+        else:
+            lower, upper, start = chain.lower, chain.upper, chain.default_position
+        n = len(start)
         _check_ports(differential_ik, n)
-        lower, upper = plant.GetPositionLowerLimits(), plant.GetPositionUpperLimits()
-        start = np.clip(plant.GetPositions(plant.CreateDefaultContext()), lower, upper)
 
         supervisor = CommandSupervisor(n, period=period, config=config)
         integrator = JointIntegrator(lower, upper, period=period, initial_position=start)
@@ -110,11 +119,14 @@ def AddSupervisedDifferentialIk(
     *,
     period: float,
     config: CommandSupervisorConfig | None = None,
+    chain: SerialChain | None = None,
     name: str = "supervised_differential_ik",
 ) -> SupervisedDifferentialIk:
     """Add a `SupervisedDifferentialIk` to `builder` and return it; see there for all else."""
-    system = SupervisedDifferentialIk(differential_ik, plant, period=period, config=config)
-    return builder.AddNamedSystem(name, system)
+    system = SupervisedDifferentialIk(
+        differential_ik, plant, period=period, config=config, chain=chain
+    )
+    return builder.AddNamedSystem(unique_name(builder, name), system)
 
 
 def _check_ports(system: System, n: int) -> None:

@@ -11,7 +11,7 @@ from pydrake.multibody.tree import Frame, Joint, ModelInstanceIndex
 from pydrake.systems.framework import Context
 
 from fikm_drake.arrays import Array
-from fikm_drake.kinematics.plant_frames import frame_by_name
+from fikm_drake.kinematics.plant_frames import as_frame
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.transforms import TURN_OVER
 
@@ -41,16 +41,11 @@ def chain_of_plant(
     """See `SerialChain.from_plant`."""
     if not plant.is_finalized():
         raise ValueError("the plant must be finalized: call plant.Finalize() first")
-    tool = frame_by_name(plant, frame) if isinstance(frame, str) else frame
-    start = frame_by_name(plant, base) if isinstance(base, str) else base or plant.world_frame()
+    tool, start = as_frame(plant, frame), as_frame(plant, base)
     context = plant.CreateDefaultContext() if context is None else context.Clone()
     way = _way(plant, start, tool)
     chosen = _chosen(plant, way, joints, context, tool)
-    for passage in way:
-        if _is_fixed(passage.joint):
-            q = plant.GetPositions(context)
-            q[passage.joint.position_start()] = passage.joint.position_lower_limits()[0]
-            plant.SetPositions(context, q)
+    plant.SetPositions(context, held_positions(plant, context))
     X = _inverse(start.GetFixedPoseInBodyFrame().GetAsMatrix4())
     before: list[Array] = []
     for passage in way:
@@ -86,6 +81,16 @@ def chain_of_plant(
         position_indices=positions,
         velocity_indices=np.array([joint.velocity_start() for joint in moving], dtype=np.intp),
     )
+
+
+def held_positions(plant: MultibodyPlant, context: Context) -> Array:
+    """A plant's positions in a Context, joints with equal limits where those say."""
+    q = np.array(plant.GetPositions(context))
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        if _is_fixed(joint):
+            q[joint.position_start()] = joint.position_lower_limits()[0]
+    return q
 
 
 def _way(plant: MultibodyPlant, start: Frame, tool: Frame) -> list[_Passage]:

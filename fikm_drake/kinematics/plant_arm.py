@@ -1,38 +1,48 @@
 """The arm that a controller moves, as Drake's MultibodyPlant has it."""
 
 import threading
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import Frame, JacobianWrtVariable, ModelInstanceIndex
+from pydrake.systems.framework import Context as PlantContext
 
 from fikm_drake.arrays import Array
-from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
-from fikm_drake.kinematics.plant_jacobian_range import plant_jacobian_range
+from fikm_drake.kinematics.chain_of_plant import held_positions
+from fikm_drake.kinematics.jacobian_range import jacobian_range
+from fikm_drake.kinematics.plant_frames import as_frame
+from fikm_drake.kinematics.serial_chain import SerialChain
 
 _VELOCITY = JacobianWrtVariable.kV
 _ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 
 
 class PlantArm:
-    """The joints of a plant and the tool's frame E: poses and Jacobians in the world W, and limits.
+    """Joints of a plant and the tool's frame E: poses and Jacobians in a frame A, and limits.
 
-    Every function depends on its arguments only, from any thread: the plant's Context, which Drake
-    needs as scratch, is one for each thread, and its positions are set before each use.
+    The joints are those of a `SerialChain`; the plant may hold whatever else, which stays where it is:
+    free bodies, grippers, other arms. Every function depends on its arguments only, from any thread:
+    the plant's Context, which Drake needs as scratch, is one for each thread, and its positions are
+    set before each use.
 
     Args:
-        plant: a finalized plant whose velocities are the rates of its positions; it is not copied.
-        frame: name of E; `instance::name` where several model instances have such a frame.
+        plant: a finalized plant; it is not copied.
+        frame: E, or its name; `instance::name` where several model instances have one.
+        joints: which joints on the way to E move: names, or a model instance; None: all that can.
+        reference_frame: A, or its name; None: the world. A frame that the joints move will do.
+        context: of the plant: where other joints stand, and which are locked; None: the default.
 
     Attributes:
         plant: the plant.
+        chain: the joints, from A to E.
         num_joints: n.
 
     Raises:
-        ValueError: the plant is not finalized, has positions with q̇ ≠ v or no joint, or has no or
-            more than one frame of this name; the message lists the frames.
+        ValueError: the plant is not finalized; no or more than one such frame or joint; no joint moves
+            E; the message lists what there is.
 
     Example:
         >>> import numpy as np, fikm_drake as fd
@@ -41,46 +51,59 @@ class PlantArm:
         [2.0, 0.0, 0.0]
     """
 
-    def __init__(self, plant: MultibodyPlant, frame: str = "tool") -> None:
-        check_plant(plant)
+    def __init__(
+        self,
+        plant: MultibodyPlant,
+        frame: str | Frame = "tool",
+        *,
+        joints: Sequence[str] | ModelInstanceIndex | None = None,
+        reference_frame: str | Frame | None = None,
+        context: PlantContext | None = None,
+    ) -> None:
+        self.chain = SerialChain.from_plant(
+            plant, frame, joints=joints, base=reference_frame, context=context
+        )
         self.plant = plant
-        self.num_joints = plant.num_positions()
-        self._frame = frame_by_name(plant, frame)
-        self._world = plant.world_frame()
-        self._scratch = _Scratch(plant)
+        self.num_joints = self.chain.num_joints
+        tool, base = as_frame(plant, frame), as_frame(plant, reference_frame)
+        self._base, self._tool = base, tool
+        template = plant.CreateDefaultContext() if context is None else context.Clone()
+        self._scratch = _Scratch(template, held_positions(plant, template))
+        positions, velocities = self.chain.position_indices, self.chain.velocity_indices
+        assert positions is not None and velocities is not None
+        everything = np.arange(plant.num_positions())
+        self._positions = None if np.array_equal(positions, everything) else positions
+        everything = np.arange(plant.num_velocities())
+        self._columns = None if np.array_equal(velocities, everything) else velocities
         # Bound methods, looked up once.
         self._set_positions = plant.SetPositions
-        self._calc_pose = self._frame.CalcPoseInWorld
         self._calc_spatial = plant.CalcJacobianSpatialVelocity
         self._calc_translational = plant.CalcJacobianTranslationalVelocity
 
     @property
     def lower(self) -> Array:
         """Lower limits (n,) [rad or m], −inf where there is none."""
-        return np.array(self.plant.GetPositionLowerLimits())
+        return self.chain.lower.copy()
 
     @property
     def upper(self) -> Array:
         """Upper limits (n,) [rad or m], inf where there is none."""
-        return np.array(self.plant.GetPositionUpperLimits())
+        return self.chain.upper.copy()
 
     @property
     def velocity_limits(self) -> Array:
         """Largest speed (n,) [rad/s or m/s], inf where there is no limit."""
-        plant = self.plant
-        return np.minimum(plant.GetVelocityUpperLimits(), -plant.GetVelocityLowerLimits())
+        return self.chain.velocity_limits.copy()
 
     @property
     def acceleration_limits(self) -> Array:
         """Largest acceleration (n,) [rad/s² or m/s²], inf where there is no limit."""
-        plant = self.plant
-        return np.minimum(plant.GetAccelerationUpperLimits(), -plant.GetAccelerationLowerLimits())
+        return self.chain.acceleration_limits.copy()
 
     @property
     def default_position(self) -> Array:
-        """The plant's default positions, moved inside the limits (n,) [rad or m]."""
-        q = self.plant.GetPositions(self.plant.CreateDefaultContext())
-        return np.clip(q, self.lower, self.upper)
+        """The joints' positions in the Context, moved inside the limits (n,) [rad or m]."""
+        return self.chain.default_position.copy()
 
     def context_at(self, q: Array) -> Any:
         """This thread's scratch Context of the plant with the joints at `q` (n,), which is finite.
@@ -89,30 +112,37 @@ class PlantArm:
         positions that are not finite: see `PlantTask`, which answers those with NaN.
         """
         context = self._scratch.context
+        if self._positions is not None:
+            full = self._scratch.positions
+            full[self._positions] = q
+            q = full
         self._set_positions(context, q)
         return context
 
     def pose(self, context: Any) -> RigidTransform:
-        """X_WE in a Context of `context_at`."""
-        return self._calc_pose(context)
+        """X_AE in a Context of `context_at`."""
+        return self._tool.CalcPose(context, self._base)
 
     def spatial_jacobian(self, context: Any) -> Array:
-        """The Jacobian of E's spatial velocity [ω; v] in W (6,n), in a Context of `context_at`."""
-        world = self._world
-        return self._calc_spatial(context, _VELOCITY, self._frame, _ORIGIN, world, world)
+        """The Jacobian of E's spatial velocity [ω; v] in A (6,n), in a Context of `context_at`."""
+        base = self._base
+        J = self._calc_spatial(context, _VELOCITY, self._tool, _ORIGIN, base, base)
+        return J if self._columns is None else J[:, self._columns]
 
     def translational_jacobian(self, context: Any) -> Array:
-        """The Jacobian of E's translational velocity in W (3,n), in a Context of `context_at`."""
-        world = self._world
-        return self._calc_translational(context, _VELOCITY, self._frame, _ORIGIN, world, world)
+        """The Jacobian of E's translational velocity in A (3,n), in a Context of `context_at`."""
+        base = self._base
+        J = self._calc_translational(context, _VELOCITY, self._tool, _ORIGIN, base, base)
+        return J if self._columns is None else J[:, self._columns]
 
     def jacobian_range(self) -> Array:
         """Bounds of |J_ij| of the spatial Jacobian (6,n) over all joint positions."""
-        return plant_jacobian_range(self.plant, self._frame)
+        return jacobian_range(self.chain)
 
 
 class _Scratch(threading.local):
     """A plant Context for each thread; each use writes all of it that it reads."""
 
-    def __init__(self, plant: MultibodyPlant) -> None:
-        self.context = plant.CreateDefaultContext()
+    def __init__(self, context: PlantContext, positions: Array) -> None:
+        self.context = context.Clone()
+        self.positions = positions.copy()

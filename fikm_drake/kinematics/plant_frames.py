@@ -16,6 +16,13 @@ def check_plant(plant: MultibodyPlant) -> None:
         )
 
 
+def as_frame(plant: MultibodyPlant, frame: str | Frame | None) -> Frame:
+    """A frame, or the one of that name, see `frame_by_name`; None: the world's."""
+    if frame is None:
+        return plant.world_frame()
+    return frame_by_name(plant, frame) if isinstance(frame, str) else frame
+
+
 def frame_by_name(plant: MultibodyPlant, name: str) -> Frame:
     """The only frame of that name, `instance::name` where several model instances have one.
 

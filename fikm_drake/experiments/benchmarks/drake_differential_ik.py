@@ -38,7 +38,7 @@ def drake_differential_ik(arm: DhArm, *, period: float) -> DifferentialInverseKi
         period: of the control cycle [s].
     """
     robot = RobotDiagramBuilder(time_step=0.0)
-    instance = AddDhArm(robot.plant(), arm)
+    instance = AddDhArm(robot.plant(), arm, capsules=False)
     robot.plant().Finalize()
     checker = SceneGraphCollisionChecker(
         CollisionCheckerParams(

@@ -12,9 +12,11 @@ L is the characteristic length [m], which makes the rows commensurable. What ent
 target; no law, no filter. A task of one's own is a `PlantTask`: one class, given as an object.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame, ModelInstanceIndex
+from pydrake.systems.framework import Context
 
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH, POSITION_TASKS
@@ -76,6 +78,10 @@ def as_task(
     frame: str,
     task: str | TaskKinematics,
     characteristic_length: float = CHARACTERISTIC_LENGTH,
+    *,
+    joints: Sequence[str] | ModelInstanceIndex | None = None,
+    reference_frame: str | Frame | None = None,
+    context: Context | None = None,
 ) -> TaskKinematics:
     """The task, made by its name or given as an object.
 
@@ -84,16 +90,27 @@ def as_task(
         frame: name of the tool's frame, for a name.
         task: a name, or an object whose arm is of the same plant.
         characteristic_length: for a name: a turn of 1 rad counts as this much [m].
+        joints: for a name: see `PlantArm`, as are the next two.
+        reference_frame: in which targets are.
+        context: of the plant, for joints that are held.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
     """
     if isinstance(task, str):
         check_task_name(task)
-        return make_task(PlantArm(plant, frame), task, characteristic_length)
+        arm = PlantArm(
+            plant, frame, joints=joints, reference_frame=reference_frame, context=context
+        )
+        return make_task(arm, task, characteristic_length)
     if not isinstance(task, TaskKinematics):
         raise ValueError(
             f"task must be one of {tuple(TASK_KINEMATICS)} or a TaskKinematics, got {task!r}"
+        )
+    if joints is not None or reference_frame is not None or context is not None:
+        raise ValueError(
+            "joints, reference_frame and context are for a task by its name; a task that is an object "
+            f"has them in its PlantArm: {type(task).__name__}(PlantArm(plant, frame, joints=…))"
         )
     if task.arm.plant is not plant:
         raise ValueError(f"task {type(task).__name__} is of another plant than the controller's")
