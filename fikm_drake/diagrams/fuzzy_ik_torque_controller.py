@@ -3,15 +3,19 @@
 import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import Frame, ModelInstanceIndex
 from pydrake.systems.controllers import InverseDynamicsController
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
-from pydrake.systems.primitives import Adder, Demultiplexer, Gain
+from pydrake.systems.primitives import Adder, Demultiplexer, Gain, MatrixGain
 
 from fikm_drake.checks import check_bandwidth
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
+from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, Joints, unique_name
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
+from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
+from fikm_drake.systems.chain_inverse_dynamics import ChainInverseDynamics, actuators
 from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.last_finite import LastFinite
 
@@ -43,8 +47,9 @@ class FuzzyIkTorqueController(Diagram):
         - valid
 
     - **desired_position** (m) [m], or **desired_pose**: as of `FuzzyIkController`.
-    - **estimated_state** (2n) [q; v]: the plant's; command and reference start there.
-    - **actuation** (n) [N m or N]: for the plant, of Drake's `InverseDynamicsController`.
+    - **estimated_state** (nq + nv) [q; v]: the whole plant's; command and reference start there.
+    - **actuation** (num_actuators) [N m or N]: for the plant, zero for actuators of other joints; of Drake's
+      `InverseDynamicsController`, or of `ChainInverseDynamics` where the plant holds more than the arm.
     - **valid** (1): 1 while the estimated state is finite, else 0; the inner loop then goes on from
       the last one that was.
     - all other outputs: as of `FuzzyIkController`, described there.
@@ -62,11 +67,15 @@ class FuzzyIkTorqueController(Diagram):
     `config.supervisor` are lowered.
 
     Args:
-        plant: a finalized, discrete plant, fully actuated, with nothing but the arm; it is not
-            copied and must live as long.
+        plant: a finalized, discrete plant; it is not copied and must live as long. It may hold more than
+            the arm: bodies that the arm touches, a gripper, a second arm.
         config: by default `FuzzyIkConfig()`.
         law: another law than the config's.
         task: another task than the config's, an object.
+        joints: which joints on the way to the tool are driven, see `MakeFuzzyIkController`, as are the
+            next two; each needs an actuator.
+        reference_frame: in which targets are.
+        context: of the plant.
         bandwidth: of the inner loop [rad/s].
         acceleration_limits: of every joint of the reference [rad/s² or m/s²].
 
@@ -81,6 +90,9 @@ class FuzzyIkTorqueController(Diagram):
         config: FuzzyIkConfig | None = None,
         law: LawLike | None = None,
         task: TaskKinematics | None = None,
+        joints: Joints = None,
+        reference_frame: str | Frame | None = None,
+        context: Context | None = None,
         bandwidth: float = BANDWIDTH,
         acceleration_limits: float = ACCELERATION_LIMIT,
     ) -> None:
@@ -88,22 +100,31 @@ class FuzzyIkTorqueController(Diagram):
         config = config or FuzzyIkConfig()
         check_bandwidth(bandwidth)
         builder = DiagramBuilder()
-        ik = AddFuzzyIkController(builder, plant, config=config, law=law, task=task)
-        n = plant.num_positions()
-        if plant.time_step() == 0.0 or plant.num_actuators() != n:
-            raise ValueError(
-                f"the plant must be discrete with an actuator for each of its {n} joints, "
-                f"got a time step of {plant.time_step()} s and {plant.num_actuators()} actuators"
-            )
+        whole = as_task(
+            plant,
+            config.frame,
+            task or config.task,
+            config.characteristic_length,
+            joints=joints,
+            reference_frame=reference_frame,
+            context=context,
+        )
+        ik = AddFuzzyIkController(builder, plant, config=config, law=law, task=whole)
+        self.chain = chain = whole.arm.chain
+        """The joints that are driven."""
+        if plant.time_step() == 0.0:
+            raise ValueError("the plant must be discrete, got a time step of 0.0 s")
+        n, inputs = chain.num_joints, actuators(plant, chain)
+        alone = plant.num_multibody_states() == 2 * n and inputs == list(range(n))
         reference = builder.AddNamedSystem(
             "joint_reference",
             JointReference(
                 n,
                 period=config.period,
                 time_step=plant.time_step(),
-                velocity_limits=plant.GetVelocityUpperLimits(),
+                velocity_limits=chain.velocity_limits,
                 acceleration_limits=acceleration_limits,
-                initial_position=plant.GetPositions(plant.CreateDefaultContext()),
+                initial_position=chain.default_position,
             ),
         )
         servo = builder.AddNamedSystem(
@@ -114,21 +135,24 @@ class FuzzyIkTorqueController(Diagram):
                 ki=np.zeros(n),
                 kd=np.full(n, 2.0 * bandwidth),
                 has_reference_acceleration=False,
-            ),
+            )
+            if alone
+            else ChainInverseDynamics(plant, chain, bandwidth=bandwidth),
         )
-        guard = builder.AddNamedSystem("state_guard", LastFinite(2 * n, period=plant.time_step()))
+        size = plant.num_multibody_states()
+        guard = builder.AddNamedSystem("state_guard", LastFinite(size, period=plant.time_step()))
+        self._default_state = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
         self._ik, self._reference, self._guard = ik, reference, guard
 
         for name in ("commanded_position", "commanded_velocity"):
             builder.Connect(ik.GetOutputPort(name), reference.GetInputPort(name))
-        builder.Connect(reference.get_output_port(), servo.get_input_port_desired_state())
-        builder.Connect(
-            guard.GetOutputPort("finite_signal"), servo.get_input_port_estimated_state()
-        )
+        builder.Connect(reference.get_output_port(), servo.GetInputPort("desired_state"))
+        builder.Connect(guard.GetOutputPort("finite_signal"), servo.GetInputPort("estimated_state"))
         desired = ik.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ExportInput(guard.get_input_port(), "estimated_state")
-        measured = builder.AddNamedSystem("measured_positions", Demultiplexer(np.array([n, n])))
+        selected = Demultiplexer(np.array([n, n])) if alone else joint_positions(chain, size)
+        measured = builder.AddNamedSystem("measured_positions", selected)
         builder.ConnectInput("estimated_state", measured.get_input_port())
         positions = measured.get_output_port(0)
         builder.Connect(positions, reference.GetInputPort("estimated_position"))
@@ -136,7 +160,7 @@ class FuzzyIkTorqueController(Diagram):
             self._feed_back(builder, positions)
         else:
             builder.Connect(positions, ik.GetInputPort("estimated_position"))
-        builder.ExportOutput(servo.get_output_port_control(), "actuation")
+        builder.ExportOutput(servo.get_output_port(0), "actuation")
         for i in range(ik.num_output_ports()):
             port = ik.get_output_port(i)
             builder.ExportOutput(port, port.get_name())
@@ -173,8 +197,16 @@ class FuzzyIkTorqueController(Diagram):
         position = np.array(position, dtype=float)
         for system in (self._ik, self._reference):
             system.SetPositions(self.GetMutableSubsystemContext(system, context), position)
-        state = np.concatenate([position, np.zeros(len(position))])
+        state = self._default_state.copy()
+        state[self.chain.position_indices] = position
         self._guard.SetLast(self.GetMutableSubsystemContext(self._guard, context), state)
+
+
+def joint_positions(chain: SerialChain, num_states: int) -> MatrixGain:
+    """A block that takes a plant's state and gives the chain's positions (n)."""
+    select = np.zeros((chain.num_joints, num_states))
+    select[np.arange(chain.num_joints), chain.position_indices] = 1.0
+    return MatrixGain(select)
 
 
 def AddFuzzyIkTorqueController(
@@ -184,25 +216,66 @@ def AddFuzzyIkTorqueController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    joints: Joints = None,
+    reference_frame: str | Frame | None = None,
+    context: Context | None = None,
     bandwidth: float = BANDWIDTH,
     acceleration_limits: float = ACCELERATION_LIMIT,
     name: str = "fuzzy_ik_torque_controller",
 ) -> FuzzyIkTorqueController:
     """Add a controller for `plant`, which is in `builder`, connect the two, and return it.
 
-    Its desired position or pose is left to connect. See `FuzzyIkTorqueController` for all else.
+    Its desired position or pose is left to connect. The actuation goes to the plant's port for all
+    actuators, or to that of the joints' model instance where another controller has that one: Drake
+    adds up what comes to both. See `FuzzyIkTorqueController` for all else.
+
+    Raises:
+        ValueError: see `FuzzyIkTorqueController`; or both ports are connected already.
     """
     controller = builder.AddNamedSystem(
-        name,
+        unique_name(builder, name),
         FuzzyIkTorqueController(
             plant,
             config=config,
             law=law,
             task=task,
+            joints=joints,
+            reference_frame=reference_frame,
+            context=context,
             bandwidth=bandwidth,
             acceleration_limits=acceleration_limits,
         ),
     )
     builder.Connect(plant.get_state_output_port(), controller.GetInputPort("estimated_state"))
-    builder.Connect(controller.GetOutputPort("actuation"), plant.get_actuation_input_port())
+    _connect_actuation(builder, plant, controller)
     return controller
+
+
+def _connect_actuation(
+    builder: DiagramBuilder, plant: MultibodyPlant, controller: FuzzyIkTorqueController
+) -> None:
+    """To the model instance's port if the joints are of one and it is free, else to that for all."""
+    inputs = actuators(plant, controller.chain)
+    everything, output = plant.get_actuation_input_port(), controller.GetOutputPort("actuation")
+    by_instance: dict[ModelInstanceIndex, list[int]] = {}
+    for index in plant.GetJointActuatorIndices():
+        actuator = plant.get_joint_actuator(index)
+        by_instance.setdefault(actuator.model_instance(), []).append(actuator.input_start())
+    for instance, starts in by_instance.items():
+        port = plant.get_actuation_input_port(instance)
+        whole = len(starts) == plant.num_actuators()
+        if whole or not set(inputs) <= set(starts) or builder.IsConnectedOrExported(port):
+            continue
+        select = np.zeros((len(starts), plant.num_actuators()))
+        select[np.arange(len(starts)), starts] = 1.0
+        gain = MatrixGain(select)
+        builder.AddNamedSystem(unique_name(builder, f"{controller.get_name()}_actuation"), gain)
+        builder.Connect(output, gain.get_input_port())
+        builder.Connect(gain.get_output_port(), port)
+        return
+    if builder.IsConnectedOrExported(everything):
+        raise ValueError(
+            "the plant's actuation ports are connected already: build a FuzzyIkTorqueController and add "
+            "its port actuation to what comes to one of them"
+        )
+    builder.Connect(output, everything)
