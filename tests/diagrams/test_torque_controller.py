@@ -188,5 +188,5 @@ def test_bad_arguments_are_named(discrete, plant_with):
     fd.AddDhArm(unactuated, fd.load_arm("arm7"))
     unactuated.RemoveJointActuator(unactuated.GetJointActuatorByName("joint3_motor"))
     unactuated.Finalize()
-    with pytest.raises(ValueError, match="6 actuators"):
+    with pytest.raises(ValueError, match=r"joint3.*have none"):
         fd.FuzzyIkTorqueController(unactuated)
