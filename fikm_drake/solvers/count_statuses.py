@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def count_statuses(status: NDArray[np.int_], kind: type[IntEnum]) -> str:
-    """Such as `3 solved, 1 out_of_reach`; empty for no targets.
+    """Such as `3 solved, 1 unreachable`; empty for no targets.
 
     Args:
         status: (N,) values of `kind`.

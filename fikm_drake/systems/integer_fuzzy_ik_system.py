@@ -37,12 +37,12 @@ class IntegerFuzzyIkSystem(LeafSystem):
         input_ports:
         - desired_position
         output_ports:
-        - position
+        - commanded_position
         - status
 
     - **desired_position** (3) [m]: x, y, z in the world.
-    - **position** (n) [rad]: the joint command, from the state. While the input is NaN or infinite, the
-      last good command.
+    - **commanded_position** (n) [rad]: the joint command, from the state. While the input is NaN or
+      infinite, the last good command.
     - **status** (1): an `IntegerFuzzyIkStatus` of that command, from the state.
 
     Args:
@@ -73,7 +73,7 @@ class IntegerFuzzyIkSystem(LeafSystem):
         self._desired = self.DeclareVectorInputPort("desired_position", 3).Eval
         position = self.DeclareDiscreteState(ik.to_radians(middle))
         status = self.DeclareDiscreteState([float(IntegerFuzzyIkStatus.INSIDE)])
-        self.DeclareStateOutputPort("position", position)
+        self.DeclareStateOutputPort("commanded_position", position)
         self.DeclareStateOutputPort("status", status)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 

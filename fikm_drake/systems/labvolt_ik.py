@@ -29,18 +29,18 @@ class LabVoltIk(LeafSystem):
 
         name: LabVoltIk
         input_ports:
-        - target
+        - desired_position
         output_ports:
-        - position
+        - commanded_position
         - angles
         - status
 
-    - **target** (3) [m]: of the tool, in the base frame.
-    - **position** (4) [rad]: joints of `models/labvolt5250.urdf`, which put the tool on the target.
+    - **desired_position** (3) [m]: of the tool, in the base frame.
+    - **commanded_position** (4) [rad]: joints of `models/labvolt5250.urdf`, which put the tool on the target.
     - **angles** (4) [rad]: the same as the LabVolt counts them: yaw, then θ_1, θ_2, θ_3 from the horizontal.
-    - **status** (1): a `LabVoltStatus`. OK: reached; FELL_BACK: reached, but the last
+    - **status** (1): a `LabVoltStatus`. SOLVED: reached; FELL_BACK: reached, but the last
       solution was no good start, so others were tried and the arm may jump. Else (UNREACHABLE,
-      INVALID: NaN or infinite) `position` stays as it was at the last tick that reached its target.
+      INVALID_INPUT: NaN or infinite) it stays as it was at the last tick that reached its target.
 
     The last solution is the state, stored each period; SQP starts from it, from the fuzzy rules at first
     and where that fails. The base turns on past ±180°.
@@ -76,7 +76,7 @@ class LabVoltIk(LeafSystem):
         self._tolerance = check_tolerance(tolerance)
         make_solver(solver)  # or ValueError
         self._solver, self._fuzzy = solver, fuzzy
-        target = self.DeclareVectorInputPort("target", 3)
+        target = self.DeclareVectorInputPort("desired_position", 3)
         self._target = target.Eval
         state = self.DeclareDiscreteState([*start, 0.0])  # the last element: there is a solution
         needs = {target.ticket(), self.discrete_state_ticket(state)}
@@ -85,7 +85,7 @@ class LabVoltIk(LeafSystem):
         )
         ticket = {self._solution.ticket()}
         for name, size, calc in (
-            ("position", 4, self._calc_position),
+            ("commanded_position", 4, self._calc_position),
             ("angles", 4, self._calc_angles),
             ("status", 1, self._calc_status),
         ):
@@ -130,6 +130,6 @@ class LabVoltIk(LeafSystem):
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         found = self._found(context)
-        reached = found[4] in (LabVoltStatus.OK, LabVoltStatus.FELL_BACK)
+        reached = found[4] in (LabVoltStatus.SOLVED, LabVoltStatus.FELL_BACK)
         if reached:
             discrete_state.set_value(0, [*found[:4], 1.0])

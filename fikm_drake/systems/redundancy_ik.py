@@ -68,7 +68,7 @@ class RedundancyIk(LeafSystem):
         at = start[resolver.joint - 1]
         self.DeclareStateOutputPort("commanded_position", self.DeclareDiscreteState(start))
         self.DeclareStateOutputPort("bounds", self.DeclareDiscreteState([at, at]))
-        status = self.DeclareDiscreteState([float(ResolutionStatus.RESOLVED)])
+        status = self.DeclareDiscreteState([float(ResolutionStatus.SOLVED)])
         self.DeclareStateOutputPort("status", status)
         self.DeclarePeriodicDiscreteUpdateEvent(check_period(period), 0.0, self._update)
 

@@ -54,7 +54,7 @@ def test_targets_that_are_none(path, home):
     np.testing.assert_array_equal(solution.q, home["iiwa14"])
     assert np.isnan(solution.position_error)
     solution = solver.solve([3.0, 0.0, 0.36])
-    assert solution.status == fd.SolverStatus.OUT_OF_REACH
+    assert solution.status == fd.SolverStatus.UNREACHABLE
     assert solution.position_error == pytest.approx(3.0 - 0.946, abs=2e-3)
 
 

@@ -25,12 +25,12 @@ def driver(ik, drive):
 def after(driver, position):
     """State after a cycle with this input."""
     driver.cycle(desired_position=position)
-    return driver["position"], driver["status"][0]
+    return driver["commanded_position"], driver["status"][0]
 
 
 def test_ports(ik, ports):
     system = fd.IntegerFuzzyIkSystem(ik, WORKPLANE)
-    assert ports(system) == ({"desired_position": 3}, {"position": 4, "status": 1})
+    assert ports(system) == ({"desired_position": 3}, {"commanded_position": 4, "status": 1})
     assert not system.HasAnyDirectFeedthrough()
 
 
@@ -84,9 +84,11 @@ def test_a_position_over_the_desk_counts_as_outside(ik, drive):
 def test_starts_in_the_middle_or_where_it_is_set(ik, drive):
     system = fd.IntegerFuzzyIkSystem(ik, WORKPLANE)
     driver = drive(system)
-    np.testing.assert_array_equal(driver["position"], ik.to_radians(ik.solve(200, 150)[0]))
+    np.testing.assert_array_equal(
+        driver["commanded_position"], ik.to_radians(ik.solve(200, 150)[0])
+    )
     system.SetPositions(driver.context, [0.1, 0.2, 0.3, 0.4])
-    assert driver["position"].tolist() == [0.1, 0.2, 0.3, 0.4]
+    assert driver["commanded_position"].tolist() == [0.1, 0.2, 0.3, 0.4]
     with pytest.raises(ValueError, match="4 finite numbers"):
         system.SetPositions(driver.context, [0.1, np.nan, 0.3, 0.4])
 
@@ -106,7 +108,7 @@ def test_samples_at_its_period_in_a_simulator(ik):
     simulator = Simulator(builder.Build())
     simulator.AdvanceTo(0.1)
     context = system.GetMyContextFromRoot(simulator.get_context())
-    q = system.GetOutputPort("position").Eval(context)
+    q = system.GetOutputPort("commanded_position").Eval(context)
     np.testing.assert_array_equal(q, ik.to_radians(ik.solve(10, 20)[0]))
 
 

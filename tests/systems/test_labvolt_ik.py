@@ -12,8 +12,8 @@ from fikm_drake.solvers.labvolt import LabVoltStatus
 
 TARGET = [0.3, 0.2, 0.5]
 BAD = {
-    "NaN": ([np.nan, 0.0, 0.5], LabVoltStatus.INVALID),
-    "inf": ([0.3, -np.inf, 0.5], LabVoltStatus.INVALID),
+    "NaN": ([np.nan, 0.0, 0.5], LabVoltStatus.INVALID_INPUT),
+    "inf": ([0.3, -np.inf, 0.5], LabVoltStatus.INVALID_INPUT),
     "far": ([1e9, 0.0, 0.5], LabVoltStatus.UNREACHABLE),
     "huge": ([1e300, 1e300, 0.5], LabVoltStatus.UNREACHABLE),
     "near the base": ([0.05, 0.0, 0.384], LabVoltStatus.UNREACHABLE),
@@ -40,51 +40,55 @@ def circle(steps, turns=1.0):
 def test_ports_and_feedthrough(ports):
     block = fd.LabVoltIk(period=0.01)
     inputs, outputs = ports(block)
-    assert inputs == {"target": 3}
-    assert outputs == {"position": 4, "angles": 4, "status": 1}
+    assert inputs == {"desired_position": 3}
+    assert outputs == {"commanded_position": 4, "angles": 4, "status": 1}
     assert all(block.HasDirectFeedthrough(0, i) for i in range(3))
 
 
 def test_position_puts_the_tool_on_the_target(block, arm):
-    out = block.cycle(target=TARGET)
-    tool = arm.forward_kinematics(out["position"])[:3, 3]
+    out = block.cycle(desired_position=TARGET)
+    tool = arm.forward_kinematics(out["commanded_position"])[:3, 3]
     np.testing.assert_allclose(tool, TARGET, rtol=0, atol=1e-9)
-    assert out["status"] == LabVoltStatus.OK
-    np.testing.assert_allclose(out["angles"][0], out["position"][0])
-    np.testing.assert_allclose(out["angles"][1:], np.cumsum(out["position"][1:]))
+    assert out["status"] == LabVoltStatus.SOLVED
+    np.testing.assert_allclose(out["angles"][0], out["commanded_position"][0])
+    np.testing.assert_allclose(out["angles"][1:], np.cumsum(out["commanded_position"][1:]))
 
 
 def test_smooth_path_without_a_jump(block, arm):
     """No joint moves by more than 5° in a step of some 5 mm; a fuzzy start each cycle does jump."""
     path = circle(600)
-    outs = [block.cycle(target=target) for target in path]
-    q = np.array([out["position"] for out in outs])
+    outs = [block.cycle(desired_position=target) for target in path]
+    q = np.array([out["commanded_position"] for out in outs])
     tools = arm.forward_kinematics(q)[:, :3, 3]
     np.testing.assert_allclose(tools, path, rtol=0, atol=1e-9)
-    assert all(out["status"] == LabVoltStatus.OK for out in outs)
+    assert all(out["status"] == LabVoltStatus.SOLVED for out in outs)
     assert np.rad2deg(np.abs(np.diff(q, axis=0))).max() < 5.0
 
 
 def test_fuzzy_start_each_cycle_jumps(drive):
     block = drive(fd.LabVoltIk(period=0.01, warm_start=False))
-    q = np.array([block.cycle(target=target)["position"] for target in circle(600)])
+    q = np.array(
+        [block.cycle(desired_position=target)["commanded_position"] for target in circle(600)]
+    )
     assert np.rad2deg(np.abs(np.diff(q, axis=0))).max() > 5.0
 
 
 def test_base_turns_on_past_half_a_turn(block):
-    yaw = np.array([block.cycle(target=t)["position"][0] for t in circle(500, turns=1.4)])
+    yaw = np.array(
+        [block.cycle(desired_position=t)["commanded_position"][0] for t in circle(500, turns=1.4)]
+    )
     assert np.abs(np.diff(yaw)).max() < 0.1 and yaw[-1] > 2.0 * np.pi
 
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_target_holds_the_last_good_command(name, block):
     target, status = BAD[name]
-    good = block.cycle(target=TARGET)
+    good = block.cycle(desired_position=TARGET)
     for _ in range(3):
-        out = block.cycle(target=target)
-        np.testing.assert_array_equal(out["position"], good["position"])
+        out = block.cycle(desired_position=target)
+        np.testing.assert_array_equal(out["commanded_position"], good["commanded_position"])
         assert out["status"] == status
-    assert block.cycle(target=TARGET)["status"] == LabVoltStatus.OK
+    assert block.cycle(desired_position=TARGET)["status"] == LabVoltStatus.SOLVED
 
 
 @pytest.mark.parametrize("name", BAD)
@@ -92,16 +96,18 @@ def test_bad_target_at_first_holds_the_initial_position(name, drive, arm):
     target, status = BAD[name]
     start = [0.5, 0.4, -0.3, 0.2]
     for initial, held in ((None, arm.default_position), (start, start)):
-        out = drive(fd.LabVoltIk(period=0.1, initial_position=initial)).cycle(target=target)
-        np.testing.assert_array_equal(out["position"], held)
+        out = drive(fd.LabVoltIk(period=0.1, initial_position=initial)).cycle(
+            desired_position=target
+        )
+        np.testing.assert_array_equal(out["commanded_position"], held)
         assert out["status"] == status
 
 
 def test_target_over_the_base_leaves_the_yaw(block):
-    block.cycle(target=[0.0, 0.3, 0.9])
-    out = block.cycle(target=[0.0, 0.0, 1.0])
+    block.cycle(desired_position=[0.0, 0.3, 0.9])
+    out = block.cycle(desired_position=[0.0, 0.0, 1.0])
     if out["status"] != LabVoltStatus.UNREACHABLE:
-        assert out["position"][0] == pytest.approx(np.pi / 2)
+        assert out["commanded_position"][0] == pytest.approx(np.pi / 2)
 
 
 def test_a_far_target_falls_back_and_the_wish_is_the_last_posture(drive, arm):
@@ -113,11 +119,11 @@ def test_a_far_target_falls_back_and_the_wish_is_the_last_posture(drive, arm):
     for x, y in plane:
         target = [x + 0.003, 0.0, y + 0.384]
         block.system.SetPositions(block.context, [0.0, *rng.uniform(arm.lower[1:], arm.upper[1:])])
-        out = block.cycle(target=target)
+        out = block.cycle(desired_position=target)
         statuses.add(int(out["status"][0]))
-        tool = arm.forward_kinematics(out["position"])[:3, 3]
+        tool = arm.forward_kinematics(out["commanded_position"])[:3, 3]
         np.testing.assert_allclose(tool, target, rtol=0, atol=1e-9)
-    assert statuses == {LabVoltStatus.OK, LabVoltStatus.FELL_BACK}
+    assert statuses == {LabVoltStatus.SOLVED, LabVoltStatus.FELL_BACK}
 
 
 def test_outputs_depend_on_the_context_only(drive):
@@ -127,9 +133,11 @@ def test_outputs_depend_on_the_context_only(drive):
     alone = drive(fd.LabVoltIk(period=0.01))
     path = circle(40)
     for a, b in zip(path, path[::-1]):
-        out = first.cycle(target=a)
-        second.cycle(target=b)
-        np.testing.assert_array_equal(out["position"], alone.cycle(target=a)["position"])
+        out = first.cycle(desired_position=a)
+        second.cycle(desired_position=b)
+        np.testing.assert_array_equal(
+            out["commanded_position"], alone.cycle(desired_position=a)["commanded_position"]
+        )
 
 
 def test_set_positions_is_where_the_next_solution_starts(block, arm):
@@ -138,7 +146,9 @@ def test_set_positions_is_where_the_next_solution_starts(block, arm):
     block.system.SetPositions(block.context, q)
     np.testing.assert_array_equal(block.state()[0][:4], q)
     target = arm.forward_kinematics(q + [0.0, 0.01, 0.01, 0.0])[:3, 3]
-    np.testing.assert_allclose(block.cycle(target=target)["position"], q, rtol=0, atol=0.1)
+    np.testing.assert_allclose(
+        block.cycle(desired_position=target)["commanded_position"], q, rtol=0, atol=0.1
+    )
     with pytest.raises(ValueError, match="joint position 2 must be from"):
         block.system.SetPositions(block.context, [0.0, 3.0, 0.0, 0.0])
     with pytest.raises(ValueError, match="4 finite numbers"):
@@ -153,20 +163,20 @@ def test_in_a_simulator_with_snopt():
     ik = builder.AddSystem(fd.LabVoltIk(period=0.02, solver="snopt"))
     path = PiecewisePolynomial.CubicShapePreserving([0.0, 0.5, 1.0], circle(3, 0.3).T)
     source = builder.AddSystem(TrajectorySource(path))
-    builder.Connect(source.get_output_port(), ik.GetInputPort("target"))
+    builder.Connect(source.get_output_port(), ik.GetInputPort("desired_position"))
     log = LogVectorOutput(ik.GetOutputPort("status"), builder, publish_period=0.02)
     diagram = builder.Build()
     simulator = Simulator(diagram)
     simulator.AdvanceTo(1.0)
-    assert (log.FindLog(simulator.get_context()).data() == LabVoltStatus.OK).all()
+    assert (log.FindLog(simulator.get_context()).data() == LabVoltStatus.SOLVED).all()
 
 
 def test_a_constant_target_holds_still():
     builder = DiagramBuilder()
     ik = builder.AddSystem(fd.LabVoltIk(period=0.1))
     source = builder.AddSystem(ConstantVectorSource(TARGET))
-    builder.Connect(source.get_output_port(), ik.GetInputPort("target"))
-    log = LogVectorOutput(ik.GetOutputPort("position"), builder, publish_period=0.1)
+    builder.Connect(source.get_output_port(), ik.GetInputPort("desired_position"))
+    log = LogVectorOutput(ik.GetOutputPort("commanded_position"), builder, publish_period=0.1)
     diagram = builder.Build()
     simulator = Simulator(diagram)
     simulator.AdvanceTo(2.0)

@@ -52,8 +52,8 @@ def test_commands_what_the_resolver_finds(block, resolver, drive):
 @pytest.mark.parametrize(
     ("bad", "status"),
     [
-        ([np.nan, 1.0], STATUS.INVALID_TARGET),
-        ([np.inf, 1.0], STATUS.INVALID_TARGET),
+        ([np.nan, 1.0], STATUS.INVALID_INPUT),
+        ([np.inf, 1.0], STATUS.INVALID_INPUT),
         ([9.0, 9.0], STATUS.INFEASIBLE),
     ],
 )
@@ -67,7 +67,7 @@ def test_a_lost_point_holds_the_last_command(block, drive, bad, status):
     for name in ("commanded_position", "bounds"):
         np.testing.assert_array_equal(after[name], before[name])
     driver.cycle(desired_position=[1.0, 2.0])
-    assert driver["status"] == STATUS.RESOLVED
+    assert driver["status"] == STATUS.SOLVED
 
 
 def test_lost_from_the_start_it_stays_where_it_is(resolver, drive):
@@ -90,7 +90,7 @@ def test_poses_of_an_arm_without_a_closed_form(ports, drive):
     found = resolver.resolve([pose])
     np.testing.assert_array_equal(driver["commanded_position"], found.q[0])
     np.testing.assert_array_equal(driver["bounds"], [found.lower[0], found.upper[0]])
-    for far, status in ((9.0, STATUS.INFEASIBLE), (np.nan, STATUS.INVALID_TARGET)):
+    for far, status in ((9.0, STATUS.INFEASIBLE), (np.nan, STATUS.INVALID_INPUT)):
         driver.cycle(desired_pose=Value(RigidTransform([far, 0.0, 0.0])))
         assert driver["status"] == status
         np.testing.assert_array_equal(driver["commanded_position"], found.q[0])

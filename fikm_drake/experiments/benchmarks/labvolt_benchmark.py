@@ -219,7 +219,7 @@ def _timed(arm: DhArm, solver: Solver, targets: Array, starts: Array) -> tuple[f
 def _follow(block: LabVoltIk, targets: Array) -> tuple[float, Array]:
     """CPU time of the path [s], joint positions (N,4) [rad]."""
     context = block.CreateDefaultContext()
-    port, output = block.GetInputPort("target"), block.GetOutputPort("position")
+    port, output = block.GetInputPort("desired_position"), block.GetOutputPort("commanded_position")
     positions = np.empty((len(targets), 4))
     gc.collect()
     begin = time.process_time()

@@ -17,7 +17,7 @@ class SolverStatus(IntEnum):
     """NaN, infinite (beyond 1e100 m), or not a pose: nothing was tried."""
     SOLVED = 1
     """Within the tolerance, and inside the limits unless they are ignored."""
-    OUT_OF_REACH = 2
+    UNREACHABLE = 2
     """No posture can reach it: proven from the lengths of the links or the plane of the arm."""
     NOT_SOLVED = 3
     """Nothing within the tolerance was found; that does not prove that there is nothing."""

@@ -82,7 +82,7 @@ class NumpySearch:
                     ends = descent.run(begin, some, np.arange(rows.size))
                     _write(q, figures, rows, ends)
             far &= figures[chunk, STATUS] != SolverStatus.SOLVED
-            figures[chunk[far], STATUS] = SolverStatus.OUT_OF_REACH
+            figures[chunk[far], STATUS] = SolverStatus.UNREACHABLE
 
     def _restarts(self, q: Array, figures: Array, targets: Array, tried: int) -> None:
         pool, scale, batch = self._problem.pool, self._problem.chain.reach, RESTARTS[0]

@@ -42,7 +42,7 @@ def follow_target(
     """
     x, y, z = target.tolist()
     if not isfinite(x + y + z):
-        return last, LabVoltStatus.INVALID
+        return last, LabVoltStatus.INVALID_INPUT
     geometry, radius = labvolt(), hypot(x, y)
     point = np.array([radius - geometry.offset, z - geometry.height])
     if hypot(*point.tolist()) > geometry.reach + tolerance:
@@ -50,7 +50,7 @@ def follow_target(
     starts = fuzzy or default_starts()
     start = last[1:] if warm else starts.posture(point[:, None])[:, 0]
     relative = program(solver).reach(point, start)
-    status = LabVoltStatus.OK
+    status = LabVoltStatus.SOLVED
     if not geometry.error(relative, point) <= tolerance:
         solution = solve(
             point,

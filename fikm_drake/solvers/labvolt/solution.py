@@ -13,17 +13,17 @@ from fikm_drake.solvers.count_statuses import count_statuses
 class LabVoltStatus(IntEnum):
     """How one target ended."""
 
-    OK = 0
+    INVALID_INPUT = 0
+    """NaN, infinite or beyond 1e100 m: nothing was tried, the angles are the middle of the limits."""
+    SOLVED = 1
     """Reached by the method's first way."""
-    FELL_BACK = 1
+    FELL_BACK = 2
     """Reached, but by a later way of the method."""
-    NOT_SOLVED = 2
+    NOT_SOLVED = 3
     """Can be reached, but the method did not find how: a local minimum, or no guess of θ_3."""
-    UNREACHABLE = 3
+    UNREACHABLE = 4
     """Proven to be out of reach by more than the tolerance: the angles are those of the nearest reachable
     point."""
-    INVALID = 4
-    """NaN, infinite or beyond 1e100 m: nothing was tried, the angles are the middle of the limits."""
 
 
 @dataclass(frozen=True)

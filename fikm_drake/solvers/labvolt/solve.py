@@ -76,7 +76,9 @@ def solve(
 
     count = len(given.valid)
     q = np.repeat(geometry.middle[:, None], count, axis=1)
-    status = np.where(given.valid, LabVoltStatus.NOT_SOLVED.value, LabVoltStatus.INVALID.value)
+    status = np.where(
+        given.valid, LabVoltStatus.NOT_SOLVED.value, LabVoltStatus.INVALID_INPUT.value
+    )
     error = np.full(count, np.nan)
     tries = np.zeros(count, dtype=int)
     near, distance = given.plane.copy(), np.where(given.valid, 0.0, np.nan)
@@ -101,8 +103,8 @@ def solve(
             found = np.where(lost, q[:, left], found)
         q[:, left], error[left] = found, geometry.error(found, some.points)
         done = left[error[left] <= tolerance]
-        status[done] = LabVoltStatus.FELL_BACK if k else LabVoltStatus.OK
-    success = (status == LabVoltStatus.OK) | (status == LabVoltStatus.FELL_BACK)
+        status[done] = LabVoltStatus.FELL_BACK if k else LabVoltStatus.SOLVED
+    success = (status == LabVoltStatus.SOLVED) | (status == LabVoltStatus.FELL_BACK)
     return LabVoltSolution(
         to_absolute(q.T),
         given.yaw,

@@ -92,13 +92,13 @@ class RedundancyResolver:
         count = len(array)
         q = np.full((count, self._arm.num_joints), np.nan)
         lower, upper, distance, turn = np.full((4, count), np.nan)
-        status = np.full(count, ResolutionStatus.INVALID_TARGET.value)
+        status = np.full(count, ResolutionStatus.INVALID_INPUT.value)
         rest = np.flatnonzero(valid)
         if self._bounds is not None:
             lower[rest], upper[rest] = self._bounds.predict(array[rest])
             wanted = 0.5 * (lower[rest] + upper[rest])
             q[rest], inside = self._region.postures(array[rest], wanted)
-            status[rest[inside]] = ResolutionStatus.RESOLVED
+            status[rest[inside]] = ResolutionStatus.SOLVED
             rest = rest[~inside]
         if rest.size:
             exact = self._region.middle(array[rest])

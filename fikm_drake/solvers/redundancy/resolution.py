@@ -13,16 +13,16 @@ from fikm_drake.solvers.count_statuses import count_statuses
 class ResolutionStatus(IntEnum):
     """How the joints of one point were found."""
 
-    RESOLVED = 0
+    INVALID_INPUT = 0
+    """NaN, infinite, beyond 1e100 m, or not a pose."""
+    SOLVED = 1
     """In the middle of the learned bounds, inside all limits."""
-    REPAIRED = 1
+    REPAIRED = 2
     """In the middle of the exact bounds, in closed form or traced: the learned middle was outside a
     limit, or nothing has been learned."""
-    INFEASIBLE = 2
+    INFEASIBLE = 3
     """No posture reaches the point inside all limits: proven in closed form; by tracing, none was found,
     and a posture that several limits leave no freedom may be missed."""
-    INVALID_TARGET = 3
-    """NaN, infinite, beyond 1e100 m, or not a pose."""
 
 
 @dataclass(frozen=True)

@@ -15,15 +15,15 @@ from fikm_drake.solvers.self_motion.walk import CLOSED
 
 
 class SelfMotionStatus(IntEnum):
-    """How a trace ended."""
+    """How a trace ended; 0 is kept for INVALID_INPUT, which here raises ValueError."""
 
-    TRACED = 0
+    TRACED = 1
     """Every component that was found is traced from end to end."""
-    INFEASIBLE = 1
+    INFEASIBLE = 2
     """Postures reach the target, none of them within the limits."""
-    UNREACHABLE = 2
+    UNREACHABLE = 3
     """No posture was found that reaches the target; that does not prove that there is none."""
-    INCOMPLETE = 3
+    INCOMPLETE = 4
     """A component ends in a singular posture, or is too long: there may be more behind it."""
 
 

@@ -90,7 +90,7 @@ def test_unreachable_position_ends_at_the_nearest_point(name, target, optimum, c
     arm = load_arm(name)
     solution = solve_batch(arm, [target])
     check(arm, [target], solution)
-    assert solution.status[0] == SolverStatus.OUT_OF_REACH
+    assert solution.status[0] == SolverStatus.UNREACHABLE
     assert solution.position_error[0] == pytest.approx(optimum, abs=1e-3)
 
 
@@ -100,7 +100,7 @@ def test_unreachable_pose_is_reported_and_others_are_solved(home, reachable, che
     X[::3, :3, 3] += [0.0, 0.0, 2.0]
     solution = solve_batch(arm, X, task="pose", initial_position=home["iiwa14"])
     check(arm, X, solution)
-    assert (solution.status[::3] == SolverStatus.OUT_OF_REACH).all()
+    assert (solution.status[::3] == SolverStatus.UNREACHABLE).all()
     assert np.delete(solution.success, np.s_[::3]).all()
 
 

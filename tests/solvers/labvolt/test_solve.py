@@ -26,11 +26,11 @@ def check(targets, solution, tolerance=1e-9):
     assert solution.angles.shape == (count, 3) and np.isfinite(solution.angles).all()
     relative = fd.labvolt.to_relative(solution.angles)
     assert GEOMETRY.contains(relative.T, 1e-12).all()
-    valid = solution.status != LabVoltStatus.INVALID
+    valid = solution.status != LabVoltStatus.INVALID_INPUT
     away = fd.labvolt.forward_kinematics(solution.angles[valid]) - targets[valid]
     np.testing.assert_allclose(np.hypot(*away.T), solution.error[valid], rtol=1e-9, atol=1e-12)
     assert np.isnan(solution.error[~valid]).all() and np.isnan(solution.nearest[~valid]).all()
-    done = np.isin(solution.status, (LabVoltStatus.OK, LabVoltStatus.FELL_BACK))
+    done = np.isin(solution.status, (LabVoltStatus.SOLVED, LabVoltStatus.FELL_BACK))
     np.testing.assert_array_equal(solution.success, done)
     assert (solution.error[done] <= tolerance).all()
     assert (solution.distance[done | (solution.status == LabVoltStatus.NOT_SOLVED)] == 0).all()
@@ -77,7 +77,7 @@ def test_any_numbers_in_the_plane(targets):
 def test_any_numbers_in_space(target):
     solution = solve(target)
     assert np.isfinite(solution.joints).all()
-    assert solution.success[0] == (solution.status[0] == LabVoltStatus.OK)
+    assert solution.success[0] == (solution.status[0] == LabVoltStatus.SOLVED)
 
 
 @pytest.mark.parametrize("bad", [[np.nan, 0.0], [1e9, 0.0], [np.inf, 1.0, 1.0], [0.9, 0.9]])
@@ -200,7 +200,7 @@ def test_a_tighter_tolerance_than_can_be_is_not_solved():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_out_of_reach_by_less_than_the_tolerance_is_reached(method):
-    for tolerance, status in ((1e-3, LabVoltStatus.OK), (1e-5, LabVoltStatus.UNREACHABLE)):
+    for tolerance, status in ((1e-3, LabVoltStatus.SOLVED), (1e-5, LabVoltStatus.UNREACHABLE)):
         solution = solve([0.7543 + 1e-4, 0.0], method=method, tolerance=tolerance)
         assert solution.status[0] == status
         assert solution.distance[0] == pytest.approx(1e-4)
@@ -270,7 +270,7 @@ def test_threads_have_programs_of_their_own():
 
 def test_solution_tells_its_counts():
     solution = solve([[0.4, 0.1], [9.0, 0.0], [np.nan, 0.0]])
-    assert repr(solution) == "<LabVoltSolution: 1 ok, 1 unreachable, 1 invalid>"
+    assert repr(solution) == "<LabVoltSolution: 1 invalid_input, 1 solved, 1 unreachable>"
     assert repr(solve([])) == "<LabVoltSolution: no targets>"
     with pytest.raises(dataclasses.FrozenInstanceError):
         solution.angles = None

@@ -41,8 +41,8 @@ def test_learned_bounds_of_a_planar_4r(arm, resolver):
     poses = random_tool_poses(arm, 500, seed=21, near_limits=0.0)
     found = resolver.resolve(poses)
     check(arm, poses, found)
-    assert np.mean(found.status == STATUS.RESOLVED) >= 0.97
-    resolved = found.status == STATUS.RESOLVED
+    assert np.mean(found.status == STATUS.SOLVED) >= 0.97
+    resolved = found.status == STATUS.SOLVED
     middle = np.clip(0.5 * (found.lower + found.upper)[resolved], arm.lower[0], arm.upper[0])
     np.testing.assert_allclose(found.q[resolved, 0], middle, atol=1e-12)
 
@@ -134,7 +134,7 @@ def test_what_cannot_be_reached_is_flagged(arm, resolver):
     bad[0, 0, 3], bad[1, 0, 3], bad[2, 2, 3] = 9.0, 1e99, 0.1
     bad[3, 0, 3], bad[4, 0, 0], bad[5, 0, 0] = np.nan, np.inf, 3.0
     found = resolver.resolve([*bad, good])
-    wanted = [STATUS.INFEASIBLE] * 3 + [STATUS.INVALID_TARGET] * 3 + [STATUS.RESOLVED]
+    wanted = [STATUS.INFEASIBLE] * 3 + [STATUS.INVALID_INPUT] * 3 + [STATUS.SOLVED]
     assert found.status.tolist() == wanted
     columns = (found.q, found.lower, found.upper, found.position_error, found.rotation_error)
     for values in columns:
@@ -185,7 +185,7 @@ def test_bounds_are_learned_from_traces(arm, inputs, tmp_path):
     np.testing.assert_array_equal(read.predict(poses), learned.predict(poses))
     found = fd.RedundancyResolver(arm, read, task="pose").resolve(poses)
     check(arm, poses, found)
-    assert np.mean(found.status == STATUS.RESOLVED) > 0.5
+    assert np.mean(found.status == STATUS.SOLVED) > 0.5
 
 
 def test_inputs_of_poses(arm):

@@ -51,7 +51,7 @@ def test_random_points_are_reached_inside_the_limits(arm, resolver):
     tool = arm.forward_kinematics(found.q)[:, :2, 3]
     assert np.abs(tool - points).max() <= 1e-12
     np.testing.assert_allclose(found.position_error, np.hypot(*(tool - points).T), atol=1e-15)
-    assert np.mean(found.status == STATUS.RESOLVED) >= 0.994
+    assert np.mean(found.status == STATUS.SOLVED) >= 0.994
 
 
 def test_joint_1_is_in_the_middle_of_its_bounds(resolver):
@@ -75,7 +75,7 @@ def test_repair_takes_the_exact_middle(arm):
 def test_what_cannot_be_reached_is_flagged(resolver):
     points = [[5.0, 5.0], [1.0, -2.0], [0.0, 0.0], [np.nan, 1.0], [1.0, np.inf], [1.0, 2.0]]
     found = resolver.resolve(points)
-    wanted = [STATUS.INFEASIBLE] * 3 + [STATUS.INVALID_TARGET] * 2 + [STATUS.RESOLVED]
+    wanted = [STATUS.INFEASIBLE] * 3 + [STATUS.INVALID_INPUT] * 2 + [STATUS.SOLVED]
     assert found.status.tolist() == wanted
     assert found.success.tolist() == [False] * 5 + [True]
     for values in (found.q, found.lower, found.upper, found.position_error):

@@ -35,7 +35,7 @@ def no_closed_form() -> Section:
     resolver = RedundancyResolver(bounds.arm, bounds, task="pose")
     poses = random_tool_poses(bounds.arm, FRESH, SEED, near_limits=0.0)
     found = resolver.resolve(poses)
-    learned = found.status == ResolutionStatus.RESOLVED
+    learned = found.status == ResolutionStatus.SOLVED
     raw = 100.0 * float(np.mean(learned))
 
     traced = poses[:TRACED]

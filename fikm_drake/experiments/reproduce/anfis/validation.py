@@ -54,7 +54,7 @@ def figure_4_16() -> Section:
     run = track(RedundancyResolver(arm), C)
     error = float(np.hypot(*(run.actual - run.desired).T).max())
     inside = bool(((run.q >= arm.lower) & (run.q <= arm.upper)).all())
-    learned = 100.0 * float(np.mean(run.status == ResolutionStatus.RESOLVED))
+    learned = 100.0 * float(np.mean(run.status == ResolutionStatus.SOLVED))
     steps = np.abs(np.diff(run.q, axis=0)).max(axis=0)
     cells = [
         Cell("limits of all joints respected", "yes", "yes" if inside else "no", inside),
@@ -78,7 +78,7 @@ def resolution() -> Section:
     """Redundancy resolution of fresh random points: raw, repaired, and points out of the workspace."""
     arm, points = load_arm(ARM), fresh_points()
     found = RedundancyResolver(arm).resolve(points)
-    raw = 100.0 * float(np.mean(found.status == ResolutionStatus.RESOLVED))
+    raw = 100.0 * float(np.mean(found.status == ResolutionStatus.SOLVED))
     inside = 100.0 * float(np.mean(((found.q >= arm.lower) & (found.q <= arm.upper)).all(axis=1)))
     largest = float(np.nanmax(found.position_error))
     widths = found.upper - found.lower
