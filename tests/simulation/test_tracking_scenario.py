@@ -112,7 +112,7 @@ def test_size_of_waypoints_chooses_the_task_and_the_rate_goes_to_the_config(poin
         ({"profile": "quintic"}, ["'quintic'", "constant", "cubic"]),
         ({"initial_position": [0.0] * 6}, ["7"]),
         ({"initial_position": [0.0] * 6 + [np.nan]}, ["nan"]),
-        ({"config": FuzzyIkConfig(task="magic")}, ["'magic'", "pose", "position"]),
+        ({"config": FuzzyIkConfig(following_time=0.0)}, ["following_time", "0.0"]),
         ({"config": FuzzyIkConfig(error_limit=0.0)}, ["error_limit", "0.0"]),
     ],
 )

@@ -64,11 +64,11 @@ def trace(ik: IntegerFuzzyIk, inverse: WorkplaneInverse, points: Array) -> Trace
     rest = builder.AddNamedSystem("rest", ConstantVectorSource(np.zeros(n)))
     state = builder.AddNamedSystem("servo_target", Multiplexer([n, n]))
     builder.Connect(desired.get_output_port(), block.GetInputPort("desired_position"))
-    builder.Connect(block.GetOutputPort("position"), state.get_input_port(0))
+    builder.Connect(block.GetOutputPort("commanded_position"), state.get_input_port(0))
     builder.Connect(rest.get_output_port(), state.get_input_port(1))
     builder.Connect(state.get_output_port(), plant.get_desired_state_input_port(instance))
     ports = {
-        "command": block.GetOutputPort("position"),
+        "command": block.GetOutputPort("commanded_position"),
         "status": block.GetOutputPort("status"),
         "state": plant.get_state_output_port(instance),
     }
