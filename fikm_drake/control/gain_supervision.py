@@ -242,11 +242,14 @@ class GainSupervision:
         ring = named["flips"]
         ring[int(named["cycles"]) % len(ring)] = 0.0 if flips is None else flips
         named["changes"] = np.add.reduce(ring).max()
-        shift = self._windows.add(named, size, error, target, step, step_length, flips)
+        if size <= self._tolerance:  # to and fro there is nothing to calm
+            shift = self._windows.add(named, size, error, target, 0.0 * step, 0.0, None)
+        else:
+            shift = self._windows.add(named, size, error, target, step, step_length, flips)
         fast, slow = self._windows.motions(named)
         calm = float(named["calm"])
         if shift > JUMP * size and calm < 1.0:
-            calm = max(AWAKE, calm)
+            calm = min(1.0, max(AWAKE, calm) * self._recovery)
             self._windows.start(named)  # what was seen holds no more
         else:
             calm = self._next_calm(calm, size, fast, slow, named)

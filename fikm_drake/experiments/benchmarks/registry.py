@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fikm_drake.experiments.benchmarks import (
     anfis_benchmark,
     batch_benchmark,
+    calm_benchmark,
     cycle_benchmark,
     hard_benchmark,
     labvolt_benchmark,
@@ -52,6 +53,12 @@ BENCHMARKS = {
     ),
     "batch": Benchmark(
         "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+    ),
+    "calm": Benchmark(
+        "what the calm costs where a target can be followed, and what it is for",
+        "runs",
+        150,
+        calm_benchmark.table,
     ),
     "supervise": Benchmark(
         "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
