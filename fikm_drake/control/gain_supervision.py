@@ -10,7 +10,7 @@ from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain
 from fikm_drake.control.motion_windows import Motion, MotionWindows
 from fikm_drake.control.steps import length
 
-LEAST_CALM = 2e-5
+LEAST_CALM = 1e-5
 """The gain is calmed to this fraction at the least, so that it finds back [-]."""
 
 CANCELLED = 0.65
@@ -33,6 +33,9 @@ PROGRESS = 0.01
 
 JUMP = 0.05
 """A target that moves by more than this fraction of the error in a cycle has jumped [-]."""
+
+NEAR = 3.0
+"""An error below this many times what the target moved in the fast window is that of an arm that follows [-]."""
 
 CHANGES = 2e-3
 """An error that changes by this fraction of it within the fast window is not flat [-]."""
@@ -118,6 +121,7 @@ class GainSupervision:
                 ("changes", "f8"),
                 ("watched", "f8"),
                 ("quiet", "f8"),
+                ("ticks", "f8"),
                 ("joint", "f8"),
                 ("rests", "f8"),
                 ("errors", "f8", (config.window,)),
@@ -213,6 +217,7 @@ class GainSupervision:
             return
         if not named["watched"]:
             named["watched"], named["quiet"], named["flips"] = 1.0, 0.0, 0.0
+            named["ticks"] = 0.0
             self._windows.start(named)
         if not (
             0.0 < size < HUGE and target.dot(target) < HUGE**2
@@ -239,22 +244,26 @@ class GainSupervision:
         flips: Array | None,
     ) -> None:
         """A cycle of an arm of which a joint turned round of late, or that is calmed."""
-        ring = named["flips"]
-        ring[int(named["cycles"]) % len(ring)] = 0.0 if flips is None else flips
-        named["changes"] = np.add.reduce(ring).max()
+        ring, ticks = named["flips"], float(named["ticks"])
+        ring[int(ticks) % len(ring)] = 0.0 if flips is None else flips
+        named["changes"], named["ticks"] = np.add.reduce(ring).max(), ticks + 1.0
         if size <= self._tolerance:  # to and fro there is nothing to calm
             shift = self._windows.add(named, size, error, target, 0.0 * step, 0.0, None)
         else:
             shift = self._windows.add(named, size, error, target, step, step_length, flips)
         fast, slow = self._windows.motions(named)
-        calm = float(named["calm"])
+        before = calm = float(named["calm"])
         if shift > JUMP * size and calm < 1.0:
-            calm = min(1.0, max(AWAKE, calm) * self._recovery)
+            calm = self._recovered(calm)
             self._windows.start(named)  # what was seen holds no more
+            named["rests"] = 0.0
         else:
             calm = self._next_calm(calm, size, fast, slow, named)
+            if named["cycles"] >= self._window - 1:
+                named["rests"] = fast.path_step < AT_REST * (self._window - 1)
+        if calm <= self._damped_first < before:
+            self._windows.start(named)  # less gain only if they shake with all the damping too
         named["calm"] = calm
-        named["rests"] = fast.path_step < AT_REST * (self._window - 1)
         quiet = float(named["quiet"]) + 1.0 if flips is None else 0.0
         named["quiet"] = quiet
         if quiet >= self._slow_window and calm == 1.0:
@@ -265,23 +274,32 @@ class GainSupervision:
     ) -> float:
         if size <= self._tolerance:
             return min(1.0, calm * self._recovery)
-        shakes = fast.changes >= self._threshold and _to_and_fro(fast)
-        if shakes:
-            named["joint"] = fast.joint
-        elif slow.changes >= self._slow_threshold and _to_and_fro(slow):
-            shakes = size > STAYS * slow.mean_error
-            if shakes:
-                named["joint"] = slow.joint
-        if shakes:
+        joint = self._shaking_joint(size, fast, slow)
+        if joint >= 0:
+            named["joint"] = joint
             return max(LEAST_CALM, calm * self._calming)
         if calm == 1.0:
             return calm
         cycles = self._window - 1
-        falls = fast.fall > max(PROGRESS * calm * cycles * size, 0.6 * fast.rough)
+        if fast.fall > max(PROGRESS * calm * cycles * size, 0.6 * fast.rough):
+            return self._recovered(calm)
         runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
-        if falls or runs and abs(fast.fall) > CHANGES * size:
-            return min(1.0, max(AWAKE, calm) * self._recovery)
+        if runs and abs(fast.fall) > CHANGES * size:
+            if size < NEAR * fast.net_target:
+                return self._recovered(calm)
+            return max(calm, min(self._damped_first, self._recovered(calm)))
         return calm
+
+    def _shaking_joint(self, size: float, fast: Motion, slow: Motion) -> int:
+        """The joint that shakes for no reason, −1 if none does."""
+        if fast.changes >= self._threshold and _to_and_fro(fast):
+            return fast.joint
+        if slow.changes >= self._slow_threshold and _to_and_fro(slow):
+            return slow.joint if size > STAYS * slow.mean_error else -1
+        return -1
+
+    def _recovered(self, calm: float) -> float:
+        return min(1.0, max(AWAKE, calm) * self._recovery)
 
 
 def _to_and_fro(motion: Motion) -> bool:
