@@ -8,17 +8,19 @@ from functools import partial
 from multiprocessing import get_context
 
 import numpy as np
-from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
-from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
+from fikm_drake.control.cycle import ControlCycle
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.calm_out_of_reach import calm_out_of_reach, rest_lines
-from fikm_drake.experiments.benchmarks.calm_runs import CalmRun, TASKS, calm_run, config_of, errors
+from fikm_drake.experiments.benchmarks.calm_runs import TASKS, CalmRun, calm_run, config_of
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.plant_arm import PlantArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.kinematics.task_kinematics import PlantTask
+from fikm_drake.kinematics.tasks import PointingTask, PositionTask, make_task
 
 CALMING = 0.8
 """The default's."""
@@ -107,9 +109,9 @@ def calm_benchmark(
 def measure_run(index: int, *, seed: int = 0, arms: Sequence[str] = tuple(TASKS)) -> CalmResult:
     """One run, with the calm and without."""
     run = calm_run(index, seed=seed, arms=arms)
-    plant = MakeDhArmPlant(load_arm(run.arm))
-    (q, joint), (q_off, _) = (follow(run, plant, calming=c) for c in (CALMING, 1.0))
-    on, off = errors(run, q), errors(run, q_off)
+    arm = PlantArm(MakeDhArmPlant(load_arm(run.arm)), "tool")
+    (on, joint), (off, _) = (follow(run, arm, calming=c) for c in (CALMING, 1.0))
+    on, off = on[run.counted], off[run.counted]
     return CalmResult(
         index=index,
         name=run.name,
@@ -123,37 +125,29 @@ def measure_run(index: int, *, seed: int = 0, arms: Sequence[str] = tuple(TASKS)
     )
 
 
-def follow(run: CalmRun, plant: object, *, calming: float) -> tuple[Array, Array]:
-    """Joint positions (N,n) at each cycle, and the joint that oscillates (N,), −1 for none."""
+def follow(run: CalmRun, arm: PlantArm, *, calming: float) -> tuple[Array, Array]:
+    """Length of the error, noise apart, at each cycle (N,) [m], and the joint that oscillates (N,)."""
     config = config_of(run, calming=calming)
-    controller = MakeFuzzyIkController(plant, config=config)
-    simulator = Simulator(controller)
-    context = simulator.get_mutable_context()
-    controller.SetPositions(context, run.start)
-    simulator.Initialize()
-    command = controller.GetOutputPort("commanded_position")
-    joint = controller.GetOutputPort("oscillating_joint")
-    desired = controller.get_input_port(0)
-    measured = controller.GetInputPort("estimated_position") if config.measured_position else None
-    targets = _targets(run)
-    positions, joints = [], []
-    for k, target in enumerate(targets):
-        q = command.Eval(context).copy()
-        positions.append(q)
-        joints.append(joint.Eval(context)[0])
-        desired.FixValue(context, target)
-        if measured is not None:
-            measured.FixValue(context, q + run.sensor[k])
-        simulator.AdvanceTo((k + 0.5) / run.rate)
-    return np.array(positions), np.array(joints)
+    task = make_task(arm, run.task, config.characteristic_length)
+    cycle = ControlCycle(task, config)
+    state = cycle.start(run.start)
+    errors, joints = [], []
+    goals, targets = (_targets(task, run.task, poses) for poses in (run.poses, run.shaken))
+    for goal, seen, noise in zip(goals, targets, run.sensor):
+        errors.append(float(np.linalg.norm(task.error(goal, state.command))))
+        joints.append(cycle.supervision.oscillating_joint(state.supervision))
+        q = state.command + noise
+        cycle.advance(state, seen, q, cycle.tick(state, seen, q))
+    return np.array(errors), np.array(joints)
 
 
-def _targets(run: CalmRun) -> list:
-    """What the controller's port takes, each cycle."""
-    task = config_of(run, calming=1.0).make_task()
-    if not task.turns:
-        return list(run.shaken[:, task.coordinates, 3])
-    return [Value(RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])) for T in run.shaken]
+def _targets(task: PlantTask, name: str, poses: Array) -> list:
+    """What the task takes for these poses of the tool (N,4,4)."""
+    if isinstance(task, PositionTask):
+        return list(poses[:, Task(name).coordinates, 3])
+    if isinstance(task, PointingTask):
+        return list(np.concatenate([poses[:, :3, 3], poses[:, :3, 2]], axis=1))
+    return [RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3]) for T in poses]
 
 
 def table(runs: int, progress: Callable[[float], None]) -> BenchmarkTable:

@@ -1,11 +1,11 @@
 """What the calm is for: motion that is left before targets out of reach, beside other methods."""
 
+import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import Value
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import (
     DifferentialInverseKinematicsParameters,
@@ -15,14 +15,18 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.multibody.plant import MultibodyPlant
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.cycle import ControlCycle, rollout
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
-from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.kinematics.plant_arm import PlantArm
+from fikm_drake.kinematics.task import Task
+from fikm_drake.kinematics.task_kinematics import PlantTask
+from fikm_drake.kinematics.tasks import make_task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.systems.tool_pose_kinematics import make_tool_kinematics
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 SECONDS = 11.0
 """[s]"""
@@ -109,13 +113,12 @@ def _cases() -> list[_Case]:
         ("arm7", (2.0, 0.0, 0.0)),
         ("arm7", (-1.4, 0.9, 1.1)),
     ):
-        config = FuzzyIkConfig(fused=True, task="xy" if len(target) == 2 else "position")
+        config = FuzzyIkConfig(task="xy" if len(target) == 2 else "position")
         cycles = round(SECONDS * config.control_rate)
         start = np.zeros(load_arm(arm).num_joints)
         cases.append(_Case(f"{arm} {target}", arm, start, [np.array(target)] * cycles, config))
-    config = FuzzyIkConfig(
-        fused=True, task="pose", iterations=6, damping=0.1, row_floor=0.05, control_rate=100.0
-    )
+    sharp = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+    config = FuzzyIkConfig(task="pose", law=sharp, control_rate=100.0)
     home = load_arm("iiwa14").forward_kinematics(READY)
     for ray in ((0.5, 0.0, 0.4), (0.0, 1.0, 0.3), (0.0, 0.0, 1.0)):
         far = SHOULDER + (REACH + BEYOND) * np.array(ray) / np.linalg.norm(ray)
@@ -124,14 +127,16 @@ def _cases() -> list[_Case]:
         name = f"iiwa14 pose {BEYOND:g} m out, {ray}"
         cases.append(_Case(name, "iiwa14", np.array(READY), [pose] * cycles, config))
     for arm, (radius, task, speed) in CIRCLES.items():
-        config = FuzzyIkConfig(fused=True, task=task)
+        config = FuzzyIkConfig(task=task)
         phase = np.arange(round(SECONDS * config.control_rate)) / config.control_rate
         phase *= speed / radius
         circle = radius * np.stack([np.cos(phase), np.sin(phase)], axis=1)
         if task == "position":
             circle = np.column_stack([circle, np.full(len(phase), SHOULDER[2])])
         start = np.full(load_arm(arm).num_joints, 0.1)
-        cases.append(_Case(f"{arm} circle of {radius:g} m at {speed:g} m/s", arm, start, [*circle], config))
+        cases.append(
+            _Case(f"{arm} circle of {radius:g} m at {speed:g} m/s", arm, start, [*circle], config)
+        )
     return cases
 
 
@@ -151,25 +156,21 @@ def _rest(case: _Case, method: str, q: Array, error: Array) -> Rest:
 
 
 def _ours(case: _Case, plant: MultibodyPlant, calming: float) -> tuple[Array, Array]:
-    case.config.supervisor = GainSupervisorConfig(calming=calming)
-    controller = MakeFuzzyIkController(plant, config=case.config)
-    context = controller.CreateDefaultContext()
-    controller.SetPositions(context, case.start)
-    port = controller.get_input_port(0)
-    command, error = (controller.GetOutputPort(n) for n in ("commanded_position", "task_error"))
-    positions, errors = [], []
-    for target in case.targets:
-        port.FixValue(context, Value(target) if isinstance(target, RigidTransform) else target)
-        positions.append(command.Eval(context).copy())
-        errors.append(float(np.linalg.norm(error.Eval(context))))
-        context.SetDiscreteState(controller.EvalUniquePeriodicDiscreteUpdate(context))
-    return np.array(positions), np.array(errors)
+    task = _task(case, plant)
+    supervisor = GainSupervisorConfig(calming=calming)
+    cycle = ControlCycle(task, dataclasses.replace(case.config, supervisor=supervisor))
+    path = rollout(cycle, case.targets, case.start)
+    return np.vstack([case.start, path.q[:-1]]), np.linalg.norm(path.error, axis=1)
+
+
+def _task(case: _Case, plant: MultibodyPlant) -> PlantTask:
+    return make_task(PlantArm(plant, "tool"), case.config.task)
 
 
 def _damped(case: _Case, plant: MultibodyPlant) -> tuple[Array, Array]:
     """A step a cycle for the whole error, inside the joint limits."""
-    kinematics = make_tool_kinematics(plant, "tool", case.config.make_task())
-    lower, upper, law = kinematics.lower, kinematics.upper, DampedLeastSquares(0.05)
+    kinematics = _task(case, plant)
+    lower, upper, law = kinematics.arm.lower, kinematics.arm.upper, DampedLeastSquares(0.05)
     q, positions, errors = case.start, [], []
     for target in case.targets:
         error, J = kinematics.error_and_jacobian(target, q)
@@ -181,17 +182,17 @@ def _damped(case: _Case, plant: MultibodyPlant) -> tuple[Array, Array]:
 
 def _drake(case: _Case, plant: MultibodyPlant) -> tuple[Array, Array]:
     """A step a cycle by Drake's `DoDifferentialInverseKinematics`, for the rows of the task."""
-    kinematics = make_tool_kinematics(plant, "tool", case.config.make_task())
+    kinematics = _task(case, plant)
     n, period = len(case.start), case.config.period
     parameters = DifferentialInverseKinematicsParameters(n, n)
     parameters.set_time_step(period)
     parameters.set_nominal_joint_position(case.start)
-    task = case.config.make_task()
+    task, lower, upper = Task(case.config.task), kinematics.arm.lower, kinematics.arm.upper
     rows = [i in task.rows for i in range(6)]
     parameters.set_end_effector_velocity_flag(rows)
     if task.turns:  # as its users have it: with the joints' limits
-        parameters.set_joint_position_limits((kinematics.lower, kinematics.upper))
-        speed = kinematics.velocity_limits
+        parameters.set_joint_position_limits((lower, upper))
+        speed = kinematics.arm.velocity_limits
         parameters.set_joint_velocity_limits((-speed, speed))
     context, frame = plant.CreateDefaultContext(), plant.GetFrameByName("tool")
     stuck = DifferentialInverseKinematicsStatus.kNoSolutionFound
@@ -208,5 +209,5 @@ def _drake(case: _Case, plant: MultibodyPlant) -> tuple[Array, Array]:
             desired = RigidTransform(X.rotation(), place)
         found = DoDifferentialInverseKinematics(plant, context, desired, frame, parameters)
         if found.status != stuck:
-            q = np.clip(q + period * found.joint_velocities, kinematics.lower, kinematics.upper)
+            q = np.clip(q + period * found.joint_velocities, lower, upper)
     return np.array(positions), np.array(errors)

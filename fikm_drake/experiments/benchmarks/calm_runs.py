@@ -8,12 +8,14 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RotationMatrix
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
-from fikm_drake.systems.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 TASKS = {
-    "planar2": ("xy",),
+    "planar2": ("xy", "x"),
     "planar4": ("xy", "x"),
     "kim_lee3r": ("xy", "x"),
     "hassantabar3r": ("xy",),
@@ -23,8 +25,8 @@ TASKS = {
     "arm7": ("position", "pose", "xy", "orientation"),
     "iiwa14": ("position", "pose", "yz", "orientation"),
     "panda": ("position", "pose", "xz", "orientation"),
-    "puma560": ("position", "pose", "z"),
-    "ur5": ("position", "pose", "xy"),
+    "puma560": ("position", "pose", "pointing", "z"),
+    "ur5": ("position", "pose", "pointing", "xy"),
     "gen3": ("position", "pose", "xz"),
     "jaco": ("position", "pose", "yz"),
     "xarm7": ("position", "pose", "xy"),
@@ -38,12 +40,10 @@ NOISES = ("none", "none", "target", "sensor")
 """What shakes: nothing, as often as the others together; the target; the measured joints."""
 CYCLES, SECONDS = 1200, 12.0
 """A run is as long as the shorter of these."""
-POSE = {"iterations": 6, "damping": 0.1, "row_floor": 0.05}
-"""The usual options for a pose."""
+SHARP = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+"""The usual law for a pose; the other is the default, the paper's."""
 LENGTH = 0.3
 """A turn of 1 rad counts as this much [m]."""
-
-Options = dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,8 @@ class CalmRun:
     noise: str
     sigma: float
     """Of the noise [m, or rad for the sensors]."""
-    options: Options
-    """Of the config."""
+    sharp: bool
+    """The law is `SHARP`."""
     start: Array
     """Joint positions (n,) [rad or m]."""
     poses: Array
@@ -76,8 +76,8 @@ class CalmRun:
     def name(self) -> str:
         """What is run, in one line."""
         noise = "" if self.noise == "none" else f", noise {self.sigma:.1e} on the {self.noise}"
-        iterations = f", {self.options['iterations']} iterations" if self.options else ""
-        return f"#{self.index} {self.arm} {self.task} {self.kind} {self.rate:g} Hz{iterations}{noise}"
+        law = ", sharp" if self.sharp else ""
+        return f"#{self.index} {self.arm} {self.task} {self.kind} {self.rate:g} Hz{law}{noise}"
 
 
 def calm_run(index: int, *, seed: int = 0, arms: Sequence[str] = tuple(TASKS)) -> CalmRun:
@@ -112,7 +112,7 @@ def calm_run(index: int, *, seed: int = 0, arms: Sequence[str] = tuple(TASKS)) -
         rate=rate,
         noise=noise,
         sigma=sigma,
-        options=POSE if sharp else {},
+        sharp=sharp,
         start=start,
         poses=poses,
         shaken=shaken,
@@ -123,29 +123,13 @@ def calm_run(index: int, *, seed: int = 0, arms: Sequence[str] = tuple(TASKS)) -
 
 def config_of(run: CalmRun, *, calming: float) -> FuzzyIkConfig:
     """The controller's config: default, but for the run's own; `calming` 1 is without the calm."""
-    config = FuzzyIkConfig(
+    return FuzzyIkConfig(
         task=run.task,
         control_rate=run.rate,
         characteristic_length=LENGTH,
-        fused=True,
-        measured_position=run.noise == "sensor",
-        **run.options,
+        law=SHARP if run.sharp else FuzzyMapping(),
+        supervisor=GainSupervisorConfig(calming=calming),
     )
-    config.supervisor.calming = calming
-    return config
-
-
-def errors(run: CalmRun, q: Array) -> Array:
-    """Length of the task error, without noise, of the cycles that count [m]."""
-    task = config_of(run, calming=1.0).make_task()
-    tool, goal = load_arm(run.arm).forward_kinematics(q)[run.counted], run.poses[run.counted]
-    square = ((goal - tool)[:, task.coordinates, 3] ** 2).sum(axis=1)
-    if task.turns:
-        turn = goal[:, :3, :3] @ np.swapaxes(tool[:, :3, :3], 1, 2)
-        cosine = 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0)
-        sine = 0.5 * np.stack([turn[:, i - 1, i - 2] - turn[:, i - 2, i - 1] for i in range(3)])
-        square += (LENGTH * np.arctan2(np.linalg.norm(sine, axis=0), cosine)) ** 2
-    return np.sqrt(square)
 
 
 def _ranges(arm: DhArm) -> tuple[Array, Array]:
@@ -199,7 +183,9 @@ def _path(
     speed = 10.0 ** (rng.uniform(-3.7, -2.3) if kind == "creep" else rng.uniform(-1.7, -0.6))
     goes = np.ones(len(times))
     if kind == "stop_and_go":
-        goes = (np.sin(np.cumsum(rng.uniform(2.0, 9.0, 1) * np.gradient(times))) > -0.2).astype(float)
+        goes = (np.sin(np.cumsum(rng.uniform(2.0, 9.0, 1) * np.gradient(times))) > -0.2).astype(
+            float
+        )
         goes *= (times > rng.uniform(0.0, 0.3) * times[-1]) & (times % 3.1 < rng.uniform(1.0, 3.1))
     driven = np.concatenate([[0.0], np.cumsum(speed * goes[1:] * np.diff(times))])
     steps_at = np.interp(np.minimum(driven, way[-1]), way, steps)
@@ -235,4 +221,3 @@ def _shake(rng: np.random.Generator, poses: Array, sigma: float) -> Array:
         angle = float(np.linalg.norm(turn))
         T[:3, :3] = RotationMatrix(AngleAxis(angle, turn / angle)).matrix() @ T[:3, :3]
     return shaken
-
