@@ -10,7 +10,7 @@ from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain
 from fikm_drake.control.motion_windows import Motion, MotionWindows
 from fikm_drake.control.steps import length
 
-LEAST_CALM = 1e-5
+LEAST_CALM = 1e-6
 """The gain is calmed to this fraction at the least, so that it finds back [-]."""
 
 CANCELLED = 0.65
@@ -35,7 +35,13 @@ JUMP = 0.05
 """A target that moves by more than this fraction of the error in a cycle has jumped [-]."""
 
 NEAR = 3.0
-"""An error below this many times what the target moved in the fast window is that of an arm that follows [-]."""
+"""An error below this many times what the target moved in the fast window is of an arm that follows [-]."""
+
+LEAST_PROGRESS = 1e-3
+"""A calm below this counts as this for the progress: there motion that ends is none [-]."""
+
+DEEP = 0.1
+"""An arm at rest with less than this fraction of its gain is calmed further [-]."""
 
 CHANGES = 2e-3
 """An error that changes by this fraction of it within the fast window is not flat [-]."""
@@ -281,13 +287,16 @@ class GainSupervision:
         if calm == 1.0:
             return calm
         cycles = self._window - 1
-        if fast.fall > max(PROGRESS * calm * cycles * size, 0.6 * fast.rough):
+        progress = PROGRESS * max(calm, LEAST_PROGRESS) * cycles * size
+        if fast.fall > max(progress, 0.6 * fast.rough):
             return self._recovered(calm)
         runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
         if runs and abs(fast.fall) > CHANGES * size:
             if size < NEAR * fast.net_target:
                 return self._recovered(calm)
             return max(calm, min(self._damped_first, self._recovered(calm)))
+        if named["rests"] and calm < DEEP * self._damped_first:
+            return max(LEAST_CALM, calm * self._calming)  # so that what is left of a motion ends
         return calm
 
     def _shaking_joint(self, size: float, fast: Motion, slow: Motion) -> int:

@@ -93,7 +93,7 @@ def calm_out_of_reach() -> list[Rest]:
 def rest_lines(rests: list[Rest]) -> list[str]:
     """The table's lines."""
     lines = [
-        f"Out of reach, in the last of {SECONDS:g} s: largest joint step a cycle [rad], joint speed rms [rad/s],",
+        f"Out of reach, in the last of {SECONDS:g} s: joint step a cycle [rad], speed rms [rad/s],",
         "reversals of a joint, change of the step a cycle [rad]; largest error of the second half [m]",
     ]
     for i, r in enumerate(rests):
