@@ -106,7 +106,7 @@ EVERYTHING = {
 def test_fused_equals_the_diagram_with_every_option(arm, measured, plant_with, run):
     """Out of reach, lost, back, and straight inward; the calm's damping is in it too."""
     start = fd.load_arm(arm).default_position + 0.1
-    parts = [(160, [1.6, 0, 0.3]), (5, [np.nan] * 3), (80, [0.2, 0.4, 0.4]), (99, [-0.35, 0, 0.3])]
+    parts = [(240, [1.6, 0, 0.3]), (5, [np.nan] * 3), (80, [0.2, 0.4, 0.4]), (99, [-0.35, 0, 0.3])]
     desired = np.concatenate([np.tile(target, (cycles, 1)) for cycles, target in parts])
     config = fd.FuzzyIkConfig(**EVERYTHING, measured_position=measured)
     measure = (lambda k, commanded: 0.99 * commanded + 0.01 * start) if measured else None
