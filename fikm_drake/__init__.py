@@ -20,6 +20,7 @@ from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.restart_search import RestartState
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
+from fikm_drake.diagrams.drakes_ports import DrakesPorts
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.diagrams.fuzzy_ik_torque_controller import (
     AddFuzzyIkTorqueController,
@@ -106,6 +107,7 @@ from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.workplane.workplane import Workplane, load_workplane
 from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_workplane_data
 from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, WorkplaneInverse
+from fikm_drake.systems.chain_inverse_dynamics import ChainInverseDynamics
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
@@ -119,6 +121,7 @@ from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
+from fikm_drake.systems.target_in_frame import TargetInFrame
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.variable_gain import VariableGain
 
@@ -135,6 +138,7 @@ __all__ = [
     "Clearance",
     "ClearanceConfig",
     "ClearanceInfo",
+    "ChainInverseDynamics",
     "CommandSupervision",
     "CommandSupervisor",
     "CommandSupervisorConfig",
@@ -149,6 +153,7 @@ __all__ = [
     "DhTransform",
     "DhUnit",
     "DifferentialIk",
+    "DrakesPorts",
     "Explanation",
     "FeasibilityData",
     "FeasibleInterval",
@@ -215,6 +220,7 @@ __all__ = [
     "SolverStatus",
     "StatusMonitor",
     "SupervisedDifferentialIk",
+    "TargetInFrame",
     "TaskError",
     "TaskKinematics",
     "Tick",

@@ -8,6 +8,7 @@ from pydrake.multibody.tree import Frame, ModelInstanceIndex
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.diagrams.drakes_ports import DrakesPorts
 from fikm_drake.diagrams.fuzzy_ik_controller import FuzzyIkController
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
@@ -27,7 +28,8 @@ def MakeFuzzyIkController(
     joints: Joints = None,
     reference_frame: str | Frame | None = None,
     context: Context | None = None,
-) -> FuzzyIkController | FusedFuzzyIk:
+    ports: str | None = None,
+) -> FuzzyIkController | FusedFuzzyIk | DrakesPorts:
     """A fuzzy IK controller for an arm in `plant`: a Diagram, or one LeafSystem if `config.fused`.
 
     Its n joints are those on the way from `reference_frame` to the tool, in that order; whatever else
@@ -45,6 +47,8 @@ def MakeFuzzyIkController(
             than the controller's move it, `TargetInFrame` brings targets into the world.
         context: of the plant: where other joints on the way stand, and which are locked; None: the
             default.
+        ports: `integrator` or `controller`: those of Drake's DifferentialInverseKinematicsIntegrator or
+            Controller, see `DrakesPorts`; None: our own.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -68,7 +72,8 @@ def MakeFuzzyIkController(
         reference_frame=reference_frame,
         context=context,
     )
-    return controller(plant, config=config, law=law, task=whole)
+    made = controller(plant, config=config, law=law, task=whole)
+    return made if ports is None else DrakesPorts(made, whole.arm, ports=ports)
 
 
 def AddFuzzyIkController(
@@ -81,8 +86,9 @@ def AddFuzzyIkController(
     joints: Joints = None,
     reference_frame: str | Frame | None = None,
     context: Context | None = None,
+    ports: str | None = None,
     name: str = "fuzzy_ik_controller",
-) -> FuzzyIkController | FusedFuzzyIk:
+) -> FuzzyIkController | FusedFuzzyIk | DrakesPorts:
     """Add a fuzzy IK controller for an arm in `plant` to `builder` and return it.
 
     See `FuzzyIkController` for its ports and `MakeFuzzyIkController` for the arguments and errors. Where
@@ -96,6 +102,7 @@ def AddFuzzyIkController(
         joints=joints,
         reference_frame=reference_frame,
         context=context,
+        ports=ports,
     )
     return builder.AddNamedSystem(unique_name(builder, name), controller)
 
