@@ -11,7 +11,7 @@ from fikm_drake import TrackingLog, load_arm
 from fikm_drake.cli import main, models, run
 from fikm_drake.cli.shared import progress
 from fikm_drake.experiments.benchmarks import batch_benchmark
-from fikm_drake.resources import model_names
+from fikm_drake.resources import find_model, model_names
 
 SCENARIO = "arm: planar2\nwaypoints: [[1.5, 0.0], [1.3, 0.4]]\nduration: 0.3\nhold: 0.1\n"
 
@@ -223,3 +223,18 @@ def test_benchmark_frmrc_prints_batch_and_step(capsys):
     assert main(["benchmark", "frmrc", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
     assert printed.count("smooth, 3 sweeps") == 3 and "one by one" in printed
+
+
+def test_export_c_of_ones_own_arm(tmp_path, capsys):
+    plane = "origin: [0.35, 0.2, 0.15]\nyaw: -1.5707963267948966\nsize: [200, 150]\n"
+    (tmp_path / "plane.yaml").write_text(plane, encoding="utf-8")
+    arm = tmp_path / "puma.yaml"
+    arm.write_text(find_model("puma560").read_text("utf-8"), encoding="utf-8")
+    start = ["0", "29", "-143", "0", "29", "0"]
+    command = ["export-c", str(tmp_path / "puma.c"), "--arm", str(arm), "--labels", "4", "3"]
+    command += ["--workplane", str(tmp_path / "plane.yaml"), "--conjunction", "product"]
+    assert main([*command, "--start", *start]) == 0
+    assert "12 rules, 6 joints" in capsys.readouterr().out
+    assert "4 x 3 rules, AND = product" in (tmp_path / "puma.c").read_text("utf-8")
+    assert main(["export-c", str(tmp_path / "a.c"), "--start", "1"]) == 2
+    assert "--arm" in capsys.readouterr().err

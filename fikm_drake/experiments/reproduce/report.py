@@ -35,6 +35,11 @@ class Cell:
     """Which of the two counts, `ours` or `before`; the other is only told."""
 
     @property
+    def claims(self) -> bool:
+        """True if something is claimed."""
+        return (self.before_reached if self.claimed == "before" else self.reached) is not None
+
+    @property
     def failed(self) -> bool:
         """True if the claim is not reached."""
         return (self.before_reached if self.claimed == "before" else self.reached) is False

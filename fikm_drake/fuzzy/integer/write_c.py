@@ -19,6 +19,17 @@ KEYWORDS = frozenset(
     "long register restrict return short signed sizeof static struct switch typedef union unsigned void "
     "volatile while".split()
 )
+_SHORT_STEP = """\
+        sum <<= 1;
+        if ((uint16_t)(sum >> 16) >= total)
+            sum = sum - ((uint32_t)total << 16) + 1;"""
+_LONG_STEP = """\
+        uint8_t carry = (uint8_t)(sum >> 31);
+
+        sum <<= 1;
+        if (carry || (uint16_t)(sum >> 16) >= total)
+            sum = sum - ((uint32_t)total << 16) + 1;"""
+"""One bit of a quotient; totals of `min` have 10 bits, those of `product` 16, so a bit can be lost."""
 _TEMPLATES = Path(__file__).parent / "templates"
 
 
@@ -31,9 +42,10 @@ def write_c(
 ) -> tuple[Path, Path]:
     """Write a rule base as C99, `NAME.c` and `NAME.h`, with the function `NAME_infer`.
 
-    The function gives the integers of `rules.infer` for inputs of 32 bits. It uses integers of 32
-    bits and constant tables only. With the macro `NAME_SELF_TEST` (capitals) defined, the source is
-    a program whose exit code is 0 if its results are those of Python.
+    The function gives the integers of `rules.infer` for inputs of 32 bits. It uses integers and constant
+    tables only: grades of 16 bits where a cell of an input is at most 256 wide, and sums of 32. With the
+    macro `NAME_SELF_TEST` (capitals) defined, the source is a program whose exit code is 0 if its results
+    are those of Python.
 
     Args:
         rules: the rule base.
@@ -74,6 +86,7 @@ def _words(rules: IntegerRuleBase, shape: Shape) -> dict[str, str]:
     """What the templates leave open, but for the names and the note."""
     first, second = rules.first, rules.second
     nearest = rules.rounding == "nearest"
+    widest = max(int(np.diff(partition.knots).max()) for partition in (first, second))
     cases = _cases(rules)
     return {
         "rules": f"{len(first)} x {len(second)}",
@@ -81,6 +94,7 @@ def _words(rules: IntegerRuleBase, shape: Shape) -> dict[str, str]:
         "rounding": rules.rounding,
         "shape": shape.replace("_", " "),
         "grade": str(GRADE),
+        "bits": "16" if GRADE * widest + widest // 2 <= 0xFFFF else "32",
         "x_labels": str(len(first)),
         "y_labels": str(len(second)),
         "outputs": str(rules.num_outputs),
@@ -99,7 +113,8 @@ def _words(rules: IntegerRuleBase, shape: Shape) -> dict[str, str]:
         if nearest
         else "grade_max * (width - offset) / width",
         "both": "a < b ? a : b" if rules.conjunction == "min" else "a * b",
-        "quotient": "(sum + total / 2) / total" if nearest else "sum / total",
+        "step": _SHORT_STEP if rules.conjunction == "min" else _LONG_STEP,
+        "quotient": "divide(sum + total / 2, total)" if nearest else "divide(sum, total)",
         "cases": str(len(cases)),
         "expected": ",\n".join(f"    {case}" for case in cases),
     }

@@ -6,7 +6,9 @@ import subprocess
 
 import pytest
 
+from fikm_drake.experiments.reproduce.integer import compiled
 from fikm_drake.experiments.reproduce.integer.compiled import mismatches, passes_self_test
+from fikm_drake.experiments.reproduce.integer.microcontroller import missing_tools, run_on_avr
 from fikm_drake.fuzzy.integer import SHAPES, write_c
 from fikm_drake.fuzzy.integer.integer_partition import ROUNDINGS
 from fikm_drake.fuzzy.integer.integer_rule_base import CONJUNCTIONS
@@ -18,13 +20,30 @@ needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C com
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("rounding", ROUNDINGS)
 @pytest.mark.parametrize("conjunction", CONJUNCTIONS)
-@pytest.mark.parametrize(
-    ("joints", "labels"), [(4, (9, 9)), (8, (3, 3)), (12, (2, 7)), (24, (3, 3))]
-)
+@pytest.mark.parametrize(("joints", "labels"), [(4, (9, 9)), (12, (2, 7))])
 def test_c_is_python_on_the_whole_grid(rules_of, joints, labels, conjunction, rounding, shape):
     """401 x 301 points, singletons that fill 16 bits; no warning with -Wall -Wextra -pedantic."""
     rules = rules_of(labels, joints, conjunction=conjunction, rounding=rounding)
     assert mismatches(rules, shape) == 0
+
+
+@needs_compiler
+@pytest.mark.parametrize("rounding", ROUNDINGS)
+@pytest.mark.parametrize("conjunction", CONJUNCTIONS)
+def test_division_bit_by_bit_is_the_same(rules_of, conjunction, rounding, monkeypatch):
+    """As on a processor of 16 bits; cells of 400 mm need grades of 32 bits, those of 50 do not."""
+    monkeypatch.setattr(compiled, "FLAGS", (*compiled.FLAGS, "-DRULES_NARROW"))
+    for labels in ((2, 2), (9, 9)):
+        rules = rules_of(labels, 4, conjunction=conjunction, rounding=rounding)
+        assert mismatches(rules, "shared_cell") == 0
+
+
+@pytest.mark.skipif(bool(missing_tools()), reason="no avr-gcc or simavr")
+@pytest.mark.parametrize(("labels", "conjunction"), [((3, 3), "min"), ((2, 5), "product")])
+def test_a_microcontroller_infers_the_same(rules_of, labels, conjunction):
+    run = run_on_avr(rules_of(labels, 3, conjunction=conjunction), "shared_cell", every=100)
+    assert run.mismatches == 0
+    assert 500 < run.cycles.min() <= run.cycles.max() < 4375
 
 
 @needs_compiler

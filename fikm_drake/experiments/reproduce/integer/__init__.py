@@ -1,6 +1,7 @@
 """Paper 5, Tojo & Morishita 2010: its tables, its traces, and past them (`fikm-drake reproduce integer`)."""
 
 from fikm_drake.experiments.reproduce.integer.errors import arms, errors, integers, order
+from fikm_drake.experiments.reproduce.integer.microcontroller import mcu
 from fikm_drake.experiments.reproduce.integer.table_1 import figure_4, table_1
 from fikm_drake.experiments.reproduce.integer.table_2 import export, table_2
 from fikm_drake.experiments.reproduce.integer.traces import figure_7, figure_9, figure_11
@@ -13,6 +14,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 9": figure_9,
     "figure 11": figure_11,
     "table 2": table_2,
+    "mcu": mcu,
     "errors": errors,
     "order": order,
     "integers": integers,
