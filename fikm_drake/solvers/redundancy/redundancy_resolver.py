@@ -106,7 +106,7 @@ class RedundancyResolver:
             status[rest] = np.where(
                 exact.inside, ResolutionStatus.REPAIRED, ResolutionStatus.INFEASIBLE
             )
-        success = status <= ResolutionStatus.REPAIRED
+        success = np.isin(status, (ResolutionStatus.SOLVED, ResolutionStatus.REPAIRED))
         for values in (q, lower, upper):
             values[~success] = np.nan
         poses = as_poses(array[success], self._task)
