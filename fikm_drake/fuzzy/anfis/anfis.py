@@ -15,6 +15,7 @@ from fikm_drake.fuzzy.anfis.anfis_data import ORDERS, AnfisData
 from fikm_drake.fuzzy.anfis.inputs import InputScale, checked_inputs, checked_rows
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
 from fikm_drake.fuzzy.anfis.network import Network, even_network, readable_rules
+from fikm_drake.fuzzy.anfis.one_blas_thread import one_blas_thread
 from fikm_drake.fuzzy.anfis.projection import LeastSquares
 from fikm_drake.fuzzy.anfis.training import METHODS, first_networks
 from fikm_drake.resources import load_yaml
@@ -119,6 +120,7 @@ class Anfis:
         state = "not trained" if self._coefficients is None else f"{len(self._errors)} epochs"
         return f"<Anfis {output}({', '.join(inputs)}), {size} {self._kind} rules, {state}>"
 
+    @one_blas_thread()
     def fit(
         self,
         X: ArrayLike,

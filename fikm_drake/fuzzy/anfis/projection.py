@@ -17,6 +17,9 @@ from fikm_drake.fuzzy.anfis.network import Network
 BLOCK = 1 << 20
 """Numbers of the matrix that are held at a time: 8 MB."""
 
+TALL = 6
+"""Rows of a piece that is factored at once, over its columns."""
+
 
 class Projection(NamedTuple):
     """The least squares problem of given premises, solved."""
@@ -85,7 +88,7 @@ class LeastSquares:
             if coefficients is not None:
                 columns.append(network.output_and_slopes(x, coefficients)[1])
             rows = np.concatenate([*columns, y[None]]).T
-            R = np.asarray(np.linalg.qr(np.concatenate([R, rows]), mode="r"), dtype=float)
+            R = _triangle(np.concatenate([R, _short(rows)]))
         return R
 
     def _blocks(self, width: int) -> Iterator[tuple[Array, Array]]:
@@ -94,3 +97,19 @@ class LeastSquares:
         for start in range(0, self.y.size, rows):
             block = slice(start, start + rows)
             yield self.x[:, block], self.y[block]
+
+
+def _triangle(rows: Array) -> Array:
+    """R (…,w,w) of QR factors of rows (…,N,w)."""
+    return np.asarray(np.linalg.qr(rows, mode="r"), dtype=float)
+
+
+def _short(rows: Array) -> Array:
+    """At most `TALL` times as many rows as columns, with the same R: factors of pieces in the cache."""
+    width = rows.shape[1]
+    piece = TALL * width
+    while len(rows) > piece:
+        whole = len(rows) // piece * piece
+        factors = _triangle(rows[:whole].reshape(-1, piece, width)).reshape(-1, width)
+        rows = np.concatenate([factors, rows[whole:]])
+    return rows
