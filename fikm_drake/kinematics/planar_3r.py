@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn, wrap
-from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.serial_chain import HasChain, SerialChain, as_chain
 
 ROUNDING = 1e-12
 """How far an axis may be from z, and how short a link is none [m]."""
@@ -25,15 +25,16 @@ class Planar3R:
         ValueError: the arm has other joints, other axes, or a link without length.
     """
 
-    def __init__(self, arm: DhArm) -> None:
-        if arm.chain.kinds != ("revolute",) * 3:
+    def __init__(self, arm: SerialChain | HasChain) -> None:
+        arm = as_chain(arm)
+        if arm.kinds != ("revolute",) * 3:
             raise ValueError(
-                f"arm {arm.name!r} must have three revolute joints, has {list(arm.chain.kinds)}"
+                f"arm {arm.name!r} must have three revolute joints, has {list(arm.kinds)}"
             )
-        origins = [arm.joint_origin(i) for i in range(3)]
+        origins = arm.before
         if not all(origin[2, 2] > 1.0 - ROUNDING for origin in origins):
             raise ValueError(f"arm {arm.name!r} must be planar: all axes along the base's z")
-        links = np.array([X[:2, 3] for X in (*origins[1:], arm.tool_pose)])
+        links = np.array([X[:2, 3] for X in (*origins[1:], arm.tool)])
         self.lengths = np.hypot(links[:, 0], links[:, 1])
         """(3,) distances from joint to joint and to the tool [m]."""
         if self.lengths.min() < ROUNDING:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.kinematics.dh_table import JOINT_TYPES, DhTable
+from fikm_drake.kinematics.check_chain import check_chain
+from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.frames import Frames, FramesOfPostures
 from fikm_drake.kinematics.native.native_kinematics import NativeKinematics, native_kinematics
 from fikm_drake.kinematics.one_posture import OnePosture
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from pydrake.multibody.plant import MultibodyPlant
     from pydrake.multibody.tree import Frame, ModelInstanceIndex
     from pydrake.systems.framework import Context
-
-RIGID = 1e-6
-"""How far a transform may be from a rigid one, by its elements [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +83,7 @@ class SerialChain:
                 indices = np.array(getattr(self, name), dtype=np.intp)
                 indices.flags.writeable = False
                 object.__setattr__(self, name, indices)
-        self._validate()
+        check_chain(self)
 
     @classmethod
     def from_dh(cls, arm: "DhTable | HasTable") -> "SerialChain":
@@ -138,6 +136,11 @@ class SerialChain:
         from fikm_drake.kinematics.chain_of_plant import chain_of_plant
 
         return chain_of_plant(plant, frame, joints=joints, base=base, context=context)
+
+    @property
+    def chain(self) -> "SerialChain":
+        """The chain itself: what asks for an arm's chain takes a chain too."""
+        return self
 
     @property
     def num_joints(self) -> int:
@@ -279,34 +282,6 @@ class SerialChain:
                 f"chain {self.name!r} is of no plant: SerialChain.from_plant makes such"
             )
         return self.position_indices
-
-    def _validate(self) -> None:
-        where = f"chain {self.name!r}"
-        if not self.kinds or len(self.joint_names) != len(self.kinds):
-            raise ValueError(f"{where} must have joints, and a name for each: {self.joint_names}")
-        if len(set(self.joint_names)) != len(self.joint_names):
-            raise ValueError(f"{where}: joint_names must differ, got {self.joint_names}")
-        for X in (*self.before, self.tool):
-            R = X[:3, :3]
-            rigid = np.abs(R @ R.T - np.eye(3)).max() < RIGID and np.linalg.det(R) > 0.0
-            if not (np.isfinite(X).all() and rigid and np.array_equal(X[3], [0.0, 0.0, 0.0, 1.0])):
-                raise ValueError(f"{where}: before and tool must be rigid transforms, got\n{X}")
-        for i, (name, kind) in enumerate(zip(self.joint_names, self.kinds)):
-            if kind not in JOINT_TYPES:
-                raise ValueError(
-                    f"{where}, {name}: kind must be one of {JOINT_TYPES}, got {kind!r}"
-                )
-            low, high, default = self.lower[i], self.upper[i], self.default_position[i]
-            if not low <= default <= high:
-                raise ValueError(
-                    f"{where}, {name}: lower <= default position <= upper must hold, got {low}, "
-                    f"{default}, {high}"
-                )
-            for field in ("velocity_limits", "acceleration_limits"):
-                if not getattr(self, field)[i] >= 0.0:
-                    raise ValueError(
-                        f"{where}, {name}: {field} must not be negative, got {getattr(self, field)[i]}"
-                    )
 
 
 class HasTable(Protocol):

@@ -13,6 +13,7 @@ from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.anfis_data import AnfisData
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhTable
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.resources import find_model, load_yaml, model_names
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
@@ -87,9 +88,9 @@ class LearnedBounds:
         X = self._inputs_of(checked_points(points, Task(self.task))[0])
         return self.lower.predict(X), self.upper.predict(X)
 
-    def check_are_of(self, arm: DhArm, task: str, joint: int) -> None:
+    def check_are_of(self, arm: DhArm | SerialChain, task: str, joint: int) -> None:
         """Raise ValueError unless the bounds are of this arm, task and joint."""
-        if self.arm.table != arm.table:
+        if not isinstance(arm, DhArm) or self.arm.table != arm.table:
             raise ValueError(
                 f"the bounds are of arm {self.arm.name!r} with another table, not of {arm.name!r}"
             )

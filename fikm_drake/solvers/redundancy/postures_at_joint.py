@@ -5,6 +5,7 @@ import numpy as np
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits, nearest_turn
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 from fikm_drake.solvers.batch.descent import solve_positive_definite
@@ -43,7 +44,7 @@ class PosturesAtJoint:
         joint: its index, from 0.
     """
 
-    def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
+    def __init__(self, arm: DhArm | SerialChain, task: Task, joint: int) -> None:
         self._arm, self._task, self._joint = arm, task, joint
         self._pool = PosturePool(arm.chain, task.characteristic_length, seed=0, size=POOL)
         self._others = np.delete(np.arange(arm.num_joints), joint)

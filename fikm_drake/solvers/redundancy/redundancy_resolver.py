@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.region import ClosedFormRegion, Region, TracedRegion
@@ -28,7 +29,7 @@ class RedundancyResolver:
         resolver.resolve(poses).q  # (N,4,4)
 
     Args:
-        arm: the arm.
+        arm: the arm, a `DhArm` or a chain of `SerialChain.from_plant`.
         bounds: learned bounds of this arm, task and joint; by default those that come with the library.
             Where there are none, the exact bounds are taken for every point: traced, that is some 20 ms
             for a planar 4R and 0.2 s for an iiwa14.
@@ -44,7 +45,7 @@ class RedundancyResolver:
 
     def __init__(
         self,
-        arm: DhArm,
+        arm: DhArm | SerialChain,
         bounds: LearnedBounds | None = None,
         *,
         task: str = "xy",
@@ -56,10 +57,12 @@ class RedundancyResolver:
         self._region = _region(arm, self._task, joint)
         if bounds is not None:
             bounds.check_are_of(arm, task, joint)
-        self._bounds = bounds or LearnedBounds.find(arm, task, joint)
+        elif isinstance(arm, DhArm):
+            bounds = LearnedBounds.find(arm, task, joint)
+        self._bounds = bounds
 
     @property
-    def arm(self) -> DhArm:
+    def arm(self) -> DhArm | SerialChain:
         """The arm."""
         return self._arm
 
@@ -114,7 +117,7 @@ class RedundancyResolver:
         return Resolution(q, success, status, lower, upper, distance, turn)
 
 
-def _region(arm: DhArm, task: Task, joint: int) -> Region:
+def _region(arm: DhArm | SerialChain, task: Task, joint: int) -> Region:
     """In closed form where there is one."""
     if task.name == "xy" and joint == 1:
         with suppress(ValueError):  # not a planar 3R

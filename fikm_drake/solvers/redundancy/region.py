@@ -10,6 +10,7 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.redundancy.postures_at_joint import MET, PosturesAtJoint
 from fikm_drake.solvers.redundancy.tool_targets import as_poses, tool_errors
@@ -51,7 +52,7 @@ class ClosedFormRegion:
         ValueError: the arm is of another kind.
     """
 
-    def __init__(self, arm: DhArm) -> None:
+    def __init__(self, arm: DhArm | SerialChain) -> None:
         self._arm = arm
         self._geometry = Planar3R(arm)
 
@@ -93,7 +94,7 @@ class TracedRegion:
         ValueError: the task leaves none or more than one degree of freedom.
     """
 
-    def __init__(self, arm: DhArm, task: Task, joint: int) -> None:
+    def __init__(self, arm: DhArm | SerialChain, task: Task, joint: int) -> None:
         self._arm, self._task, self._joint = arm, task, joint
         self._tracer = SelfMotionTracer(arm, task)
         self._newton = PosturesAtJoint(arm, task, joint - 1)

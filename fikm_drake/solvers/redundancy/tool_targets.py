@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.batch.batch_targets import FARTHEST, checked_targets, rotation_error
 
@@ -40,7 +41,9 @@ def as_poses(points: Array, task: Task) -> Array:
     return poses
 
 
-def tool_errors(arm: DhArm, task: Task, q: Array, poses: Array) -> tuple[Array, Array]:
+def tool_errors(
+    arm: DhArm | SerialChain, task: Task, q: Array, poses: Array
+) -> tuple[Array, Array]:
     """Distances (N,) [m] and turns (N,) [rad] from the tool to poses (N,4,4), by forward kinematics.
 
     Only what the task counts; zeros where that is no position, or no orientation.

@@ -7,6 +7,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.kinematics.angles import TURN, wrap
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R, triangle_angle
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.solvers.self_motion.interval_table import (
     END_NAMES,
     FULL_TURN,
@@ -24,7 +25,7 @@ EDGE = 1e-7
 """A posture this near to the limits [rad] counts where a point has no other: on the region's edge."""
 
 
-def feasible_intervals(arm: DhArm, point: ArrayLike) -> list[FeasibleInterval]:
+def feasible_intervals(arm: DhArm | SerialChain, point: ArrayLike) -> list[FeasibleInterval]:
     """Intervals of θ1 of a planar 3R arm for which some posture reaches a point within all limits.
 
     The bounds are exact: each is a limit of joint 1, or a posture where joint 2 or 3 is at a limit,
@@ -51,7 +52,7 @@ def feasible_intervals(arm: DhArm, point: ArrayLike) -> list[FeasibleInterval]:
     return feasible_interval_table(arm, array[None])[0]
 
 
-def feasible_interval_table(arm: DhArm, points: ArrayLike) -> IntervalTable:
+def feasible_interval_table(arm: DhArm | SerialChain, points: ArrayLike) -> IntervalTable:
     """As `feasible_intervals`, for many points at once.
 
     Args:

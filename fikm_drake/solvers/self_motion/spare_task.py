@@ -7,10 +7,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable, JointIndex
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.add_dh_arm import MakeChainPlant, MakeDhArmPlant
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.batch.batch_targets import checked_targets
 
@@ -31,7 +32,8 @@ class SpareTask:
     they are; the others are the *moving* joints, k of them, and there are k − 1 equations.
 
     Args:
-        arm_or_plant: the arm, or a finalized plant.
+        arm_or_plant: the arm; a chain, such as one of the joints of a plant that holds more; or a
+            finalized plant with nothing but the arm.
         task: the task, or its name with the usual characteristic length.
         frame: name of the tool's frame in the plant.
 
@@ -40,10 +42,15 @@ class SpareTask:
     """
 
     def __init__(
-        self, arm_or_plant: DhArm | MultibodyPlant, task: str | Task, frame: str = "tool"
+        self,
+        arm_or_plant: DhArm | SerialChain | MultibodyPlant,
+        task: str | Task,
+        frame: str = "tool",
     ) -> None:
         if isinstance(arm_or_plant, DhArm):
             plant: MultibodyPlant = MakeDhArmPlant(arm_or_plant)
+        elif isinstance(arm_or_plant, SerialChain):
+            plant, frame = MakeChainPlant(arm_or_plant), "tool"
         else:
             plant = arm_or_plant
         check_plant(plant)

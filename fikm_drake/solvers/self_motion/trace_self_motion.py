@@ -8,6 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts, check_number
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.self_motion.events import turning_point
@@ -38,7 +39,7 @@ NOISE = 1e-9
 
 
 def trace_self_motion(
-    arm_or_plant: DhArm | MultibodyPlant,
+    arm_or_plant: DhArm | SerialChain | MultibodyPlant,
     q_or_target: ArrayLike | RigidTransform,
     task: str | Task = "position",
     *,
@@ -57,7 +58,7 @@ def trace_self_motion(
     To trace many targets of one arm, make a `SelfMotionTracer` and keep it.
 
     Args:
-        arm_or_plant: the arm, or a finalized MultibodyPlant.
+        arm_or_plant: the arm, a chain of `SerialChain.from_plant`, or a finalized plant with the arm only.
         q_or_target: n joint positions [rad or m], whose target is where the tool is then; or a
             target in the world frame: the coordinates that count [m], a pose (4,4) or a
             RigidTransform. A vector of n numbers is taken for joint positions.
@@ -98,7 +99,7 @@ class SelfMotionTracer:
 
     def __init__(
         self,
-        arm_or_plant: DhArm | MultibodyPlant,
+        arm_or_plant: DhArm | SerialChain | MultibodyPlant,
         task: str | Task = "position",
         *,
         frame: str = "tool",

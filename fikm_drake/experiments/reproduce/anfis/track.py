@@ -15,6 +15,7 @@ from pydrake.trajectories import PiecewisePolynomial
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.region import Trajectory
 from fikm_drake.kinematics.add_dh_arm import AddDhArm
+from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 
@@ -48,6 +49,7 @@ def track(resolver: RedundancyResolver, trajectory: Trajectory) -> Track:
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
+    assert isinstance(resolver.arm, DhArm)
     AddDhArm(plant, resolver.arm)
     plant.Finalize()
     poses = builder.AddNamedSystem("poses", MultibodyPositionToGeometryPose(plant))
