@@ -71,11 +71,19 @@ from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.laws.rule_generation import generate_rule_base
 from fikm_drake.resources import ConfigureParser
+from fikm_drake.simulation import scenario
 from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.recorder import Recorder, record
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import (
+    BuiltScenario,
+    Scenario,
+    TrackingScenario,
+    build_scenario,
+    load_scenario,
+)
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt
 from fikm_drake.solvers.batch.batch_solution import BatchSolution, SolverStatus
@@ -115,6 +123,7 @@ from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.joint_reference import JointReference
+from fikm_drake.systems.joint_sensor import JointSensor
 from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
@@ -122,12 +131,21 @@ from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.target_in_frame import TargetInFrame
+from fikm_drake.systems.target_source import TargetSource
 from fikm_drake.systems.task_error import TaskError
 from fikm_drake.systems.variable_gain import VariableGain
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "BuiltScenario",
+    "Scenario",
+    "Recorder",
+    "record",
+    "scenario",
+    "build_scenario",
+    "JointSensor",
+    "TargetSource",
     "AddDhArm",
     "AddFuzzyIkController",
     "AddFuzzyIkTorqueController",
@@ -225,7 +243,7 @@ __all__ = [
     "TaskKinematics",
     "Tick",
     "TiltedPlaneInverse",
-    "TrackingLog",
+    "RunLog",
     "TrackingMetrics",
     "TrackingScenario",
     "Trapezoid",

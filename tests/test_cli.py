@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from fikm_drake import TrackingLog, load_arm
+from fikm_drake import RunLog, load_arm
 from fikm_drake.cli import main, models, run
 from fikm_drake.cli.shared import progress
 from fikm_drake.experiments.benchmarks import batch_benchmark
@@ -56,11 +56,11 @@ def test_run_writes_every_file(scenario, tmp_path, capsys):
     for file in files.values():
         assert (tmp_path / file).stat().st_size > 1000
         assert f"wrote {tmp_path / file}" in captured.err
-    log = TrackingLog.load(tmp_path / "run.npz")
-    assert len(log.time) == 20
+    log = RunLog.load(tmp_path / "run.npz")
+    assert len(log.time) == 21
     assert str(log.metrics()) in captured.out
     assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
-    assert len((tmp_path / "run.csv").read_text().splitlines()) == 21
+    assert len((tmp_path / "run.csv").read_text().splitlines()) == 22
 
 
 @pytest.mark.parametrize(
@@ -156,7 +156,7 @@ def test_interrupted_run_keeps_its_log(reason, code, scenario, tmp_path, capsys,
     assert main(["run", scenario, "--log", str(tmp_path / "run.npz")]) == code
     captured = capsys.readouterr()
     assert "stopped after" in captured.err
-    assert 0 < len(TrackingLog.load(tmp_path / "run.npz").time) < 20
+    assert 0 < len(RunLog.load(tmp_path / "run.npz").time) < 20
     assert "e_max" in captured.out
 
 

@@ -37,7 +37,7 @@ def test_run_as_json_gives_the_metrics_of_the_log(tmp_path, capsys):
     path.write_text(SCENARIO)
     assert main(["run", str(path), "--json", "--log", str(log)]) == 0
     found = json.loads(capsys.readouterr().out)
-    metrics = fikm_drake.TrackingLog.load(log).metrics()
+    metrics = fikm_drake.RunLog.load(log).metrics()
     assert found["metrics"]["e_max"] == metrics.e_max
     assert found["status"] in {status.name.lower() for status in fikm_drake.ControllerStatus}
 

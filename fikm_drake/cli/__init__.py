@@ -15,7 +15,7 @@ from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.rules import add_rules
 from fikm_drake.cli.run import add_run
-from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, INTERRUPTED
+from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, code_of, sigterm_raises
 from fikm_drake.cli.train import add_train
 from fikm_drake.kinematics.native.kernel import kernel_description
 
@@ -25,15 +25,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _parser()
     options = parser.parse_args(arguments)
     try:
-        return options.run(options)
+        with sigterm_raises():
+            return options.run(options)
     except (ValueError, FileNotFoundError) as error:
         print(f"fikm-drake: {error}", file=sys.stderr)
         return BAD_INPUT
     except OSError as error:
         print(f"fikm-drake: {error}", file=sys.stderr)
         return FAILED
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    except KeyboardInterrupt as error:
+        return code_of(error)
 
 
 def _parser() -> argparse.ArgumentParser:

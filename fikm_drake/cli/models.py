@@ -7,7 +7,7 @@ from fikm_drake.cli.shared import OK, print_json
 from fikm_drake.fuzzy.mamdani import load_mamdani
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.resources import model_names, models_dir
-from fikm_drake.simulation.tracking_scenario import load_scenario
+from fikm_drake.simulation.scenario import load_scenario
 
 
 def add_models(commands: "argparse._SubParsersAction") -> None:
@@ -39,7 +39,7 @@ def _models(options: argparse.Namespace) -> int:
         print(f"  {name:15s} {arm['joints']} joints, {arm['convention']} convention")
     print("scenarios:")
     for name, run in runs.items():
-        print(f"  {name:15s} {run['arm']}, {run['seconds']:g} s at {run['control_rate']:g} Hz")
+        print(f"  {name:15s} {run['robot']}, {run['seconds']:g} s at {run['control_rate']:g} Hz")
     print("fuzzy systems:")
     for name, system in systems.items():
         inputs, outputs = ", ".join(system["inputs"]), ", ".join(system["outputs"])
@@ -53,7 +53,7 @@ class _Arm(TypedDict):
 
 
 class _Scenario(TypedDict):
-    arm: str
+    robot: str
     seconds: float
     control_rate: float
 
@@ -76,8 +76,8 @@ def _scenarios() -> dict[str, _Scenario]:
     runs = {name: load_scenario(name) for name in model_names("scenarios")}
     return {
         name: {
-            "arm": run.load_arm().name,
-            "seconds": run.duration + run.hold,
+            "robot": run.load_robot().name,
+            "seconds": run.target.duration + run.target.hold,
             "control_rate": run.control_rate,
         }
         for name, run in runs.items()

@@ -5,12 +5,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from fikm_drake.cli.shared import FAILED, INTERRUPTED, OK, print_json, progress
-from fikm_drake.control.status import ControllerStatus
+from fikm_drake.cli.shared import FAILED, OK, code_of, print_json, progress
 from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import load_scenario
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import load_scenario
 from fikm_drake.simulation.write_html import write_html
 
 
@@ -32,19 +31,20 @@ def _run(options: argparse.Namespace) -> int:
         return FAILED
     code = OK
     try:
-        log = simulate(scenario, progress=progress())
+        log = simulate(scenario, file=options.log, progress=progress())
     except SimulationStopped as stopped:
         print(f"fikm-drake: {stopped}", file=sys.stderr)
         log = stopped.log
-        code = INTERRUPTED if isinstance(stopped.__cause__, KeyboardInterrupt) else FAILED
+        code = code_of(stopped.__cause__)
     if not _write(log, options):
         code = code or FAILED
-    status, metrics = ControllerStatus(int(log.status[-1])), log.metrics()
+    status = log.status_names[-1].lower() if "status" in log else None
     if options.json:
-        print_json({"scenario": options.scenario, "status": status, "metrics": metrics})
+        found = {"scenario": options.scenario, "status": status, "metrics": log.metrics()}
+        print_json(found)
     else:
-        last = status.name.lower().replace("_", " ")
-        print(f"{options.scenario}: {metrics}, {last} at the end")
+        last = "" if status is None else f", {status.replace('_', ' ')} at the end"
+        print(f"{options.scenario}: {log.metrics()}{last}")
     return code
 
 
@@ -58,11 +58,11 @@ def _folders_exist(options: argparse.Namespace) -> bool:
     return True
 
 
-def _write(log: TrackingLog, options: argparse.Namespace) -> bool:
+def _write(log: RunLog, options: argparse.Namespace) -> bool:
     """Write the files that were asked for, each even if another fails; True if all could be."""
     good = True
     writers: dict[str, Callable] = {
-        "log": log.save,
+        "log": log.save,  # again: the file that grew with the run may have failed
         "csv": log.to_csv,
         "plot": lambda path: plot_log(log, path),
         "html": lambda path: write_html(log, path),

@@ -1,22 +1,54 @@
 """What the commands share: exit codes, counts, JSON, progress for a person who waits."""
 
 import argparse
+import contextlib
 import dataclasses
 import json
 import math
+import signal
 import sys
+import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
 
 import numpy as np
 
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+OK, FAILED, BAD_INPUT, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
 EXIT_CODES = """exit codes:
   0    done
   1    the run failed, or a file could not be written
   2    bad arguments, or a model or scenario that is missing or not valid
-  130  interrupted; the log so far is written where one was asked for"""
+  130  interrupted by Ctrl-C; the log so far is written where one was asked for
+  143  ended by SIGTERM; the same"""
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM, as an exception that ends what goes on like Ctrl-C does."""
+
+
+def code_of(error: BaseException | None) -> int:
+    """The exit code of a command that this error has ended."""
+    if isinstance(error, Terminated):
+        return TERMINATED
+    return INTERRUPTED if isinstance(error, KeyboardInterrupt) else FAILED
+
+
+@contextlib.contextmanager
+def sigterm_raises() -> Iterator[None]:
+    """While a command runs SIGTERM raises `Terminated`, so that files are written and folders left."""
+
+    def terminate(*_: object) -> None:
+        raise Terminated("SIGTERM")
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def positive_count(text: str) -> int:

@@ -7,28 +7,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fikm_drake.control.status import ControllerStatus
 from fikm_drake.files import new_figure, save_figure
-from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.run_log import RunLog
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SHADES = {
-    ControllerStatus.OSCILLATING: "tab:orange",
-    ControllerStatus.LIMITED: "tab:red",
-    ControllerStatus.INVALID_INPUT: "black",
+    "OSCILLATING": "tab:orange",
+    "LIMITED": "tab:red",
+    "INVALID_INPUT": "black",
+    "STUCK": "tab:purple",
+    "NOT_FOLLOWING": "tab:brown",
 }
+"""Colours of what needs a look, by the status's name."""
 
 
-def plot_log(log: TrackingLog, path: str | Path | None = None) -> Figure:
-    """Draw error, gain and joints over time and the path in the plane or in space.
+def plot_log(log: RunLog, path: str | Path | None = None) -> Figure:
+    """Draw error, gain or torque, and joints over time, and the path in the plane or in space.
 
-    Cycles whose status is oscillating, limited or invalid input are shaded.
+    Cycles whose status needs a look (`SHADES`) are shaded.
 
     Args:
-        log: the run.
+        log: a scenario's run.
         path: where to write the picture (.png, .pdf, .svg); None: nowhere.
 
     Returns:
@@ -36,34 +38,36 @@ def plot_log(log: TrackingLog, path: str | Path | None = None) -> Figure:
 
     Raises:
         OSError: the file cannot be written.
-        ValueError: matplotlib does not know the file's type.
+        ValueError: matplotlib does not know the file's type, or the log has no scenario.
     """
     figure = new_figure(11, 7)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.15, 1))
     error = figure.add_subplot(grid[0, 0])
-    gain = figure.add_subplot(grid[1, 0], sharex=error)
+    middle = figure.add_subplot(grid[1, 0], sharex=error)
     joints = figure.add_subplot(grid[2, 0], sharex=error)
     _plot_error(error, log)
-    _plot_gain(gain, log)
+    _plot_middle(middle, log)
     _plot_joints(joints, log)
-    for axes in (error, gain, joints):
+    for axes in (error, middle, joints):
         _shade(axes, log)
         axes.grid(alpha=0.3)
     error.tick_params(labelbottom=False)
-    gain.tick_params(labelbottom=False)
+    middle.tick_params(labelbottom=False)
     joints.set_xlabel("time [s]")
-    in_space = log.desired.shape[1] == 3
+    in_space = log.desired.shape[1] != 2
     _plot_path(figure.add_subplot(grid[:, 1], projection="3d" if in_space else None), log)
-    arm = log.scenario.load_arm().name
-    figure.suptitle(f"{arm}, {log.scenario.control_rate:g} Hz")
+    robot = log.scenario.load_robot().name
+    figure.suptitle(f"{robot}, {log.scenario.control_rate:g} Hz")
     if path is not None:
         save_figure(figure, path)
     return figure
 
 
-def _plot_error(axes: Axes, log: TrackingLog) -> None:
+def _plot_error(axes: Axes, log: RunLog) -> None:
     metrics = log.metrics()
-    axes.plot(log.time, 100 * np.linalg.norm(log.error, axis=1), color="tab:blue")
+    error = log.error_after
+    turns = error.shape[1] == 6
+    axes.plot(log.time, 100 * np.linalg.norm(error[:, -3:], axis=1), color="tab:blue")
     axes.set_ylabel("error [cm]")
     axes.set_ylim(bottom=0)
     axes.set_title(
@@ -71,16 +75,28 @@ def _plot_error(axes: Axes, log: TrackingLog) -> None:
         f"end {100 * metrics.e_ss:.3f} cm",
         fontsize=10,
     )
+    if turns:
+        right = axes.twinx()
+        right.plot(
+            log.time, np.rad2deg(np.linalg.norm(error[:, :3], axis=1)), "--", color="tab:cyan"
+        )
+        right.set_ylabel("turn [°]")
+        right.set_ylim(bottom=0)
 
 
-def _plot_gain(axes: Axes, log: TrackingLog) -> None:
-    axes.step(log.time, log.gain, where="post", color="tab:green")
-    axes.set_ylabel("gain K [-]")
-    axes.set_ylim(bottom=0)
+def _plot_middle(axes: Axes, log: RunLog) -> None:
+    """The gain where there is one, else the commanded speeds."""
+    if "gain" in log and log["gain"].shape[1] == 1:
+        axes.step(log.time, log.gain, where="post", color="tab:green")
+        axes.set_ylabel("gain K [-]")
+        axes.set_ylim(bottom=0)
+        return
+    axes.plot(log.time, log.velocity, linewidth=1)
+    axes.set_ylabel("joint speeds [rad/s or m/s]")
 
 
-def _plot_joints(axes: Axes, log: TrackingLog) -> None:
-    revolute = log.scenario.load_arm().chain.revolute
+def _plot_joints(axes: Axes, log: RunLog) -> None:
+    revolute = [label.endswith("_rad") for label in log.info.columns["q"]]
     for i, q in enumerate(log.q.T):
         axes.plot(log.time, q, label=f"$q_{{{i + 1}}}$", linewidth=1.2)
     axes.set_ylabel("joints q [rad]" if all(revolute) else "joints q [rad, m]")
@@ -95,12 +111,13 @@ def _plot_joints(axes: Axes, log: TrackingLog) -> None:
     )
 
 
-def _plot_path(axes: Axes, log: TrackingLog) -> None:
-    waypoints = np.array(log.scenario.waypoints)
-    axes.plot(*waypoints.T, "k--", linewidth=1, label="desired")
-    axes.plot(*log.actual.T, color="tab:blue", linewidth=1.8, label="actual")
-    axes.plot(*log.actual[:1].T, "o", color="tab:blue", markersize=5, label="start")
-    axes.plot(*waypoints[-1:].T, "kx", markersize=7, label="target")
+def _plot_path(axes: Axes, log: RunLog) -> None:
+    corners = log.scenario.target_motion().corners
+    actual = log.actual[:, -3:]
+    axes.plot(*corners.T, "k--", linewidth=1, label="desired")
+    axes.plot(*actual.T, color="tab:blue", linewidth=1.8, label="actual")
+    axes.plot(*actual[:1].T, "o", color="tab:blue", markersize=5, label="start")
+    axes.plot(*corners[-1:].T, "kx", markersize=7, label="target")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
     from mpl_toolkits.mplot3d.axes3d import Axes3D
@@ -114,11 +131,13 @@ def _plot_path(axes: Axes, log: TrackingLog) -> None:
     axes.grid(alpha=0.3)
 
 
-def _shade(axes: Axes, log: TrackingLog) -> None:
-    period = 1.0 / log.scenario.control_rate
+def _shade(axes: Axes, log: RunLog) -> None:
+    if "status" not in log:
+        return
+    period, names = 1.0 / log.scenario.control_rate, np.array(log.status_names)
     for status, colour in SHADES.items():
         # Edges of each run of cycles with this status.
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], log.status == status, [0]])))
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], names == status, [0]])))
         for k, (start, stop) in enumerate(edges.reshape(-1, 2)):
-            label = status.name.lower().replace("_", " ") if k == 0 else None
+            label = status.lower().replace("_", " ") if k == 0 else None
             axes.axvspan(start * period, stop * period, color=colour, alpha=0.18, lw=0, label=label)

@@ -1,129 +1,188 @@
 """Runs a scenario in Drake's Simulator."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.geometry import Meshcat
+from pydrake.math import RotationMatrix
 from pydrake.systems.analysis import Simulator
-from pydrake.systems.framework import Context, DiagramBuilder
-from pydrake.systems.primitives import LogVectorOutput, TrajectorySource, VectorLogSink
+from pydrake.systems.framework import Context, OutputPort
 
-from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
-from fikm_drake.diagrams.fuzzy_ik_torque_controller import AddFuzzyIkTorqueController
-from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
-from fikm_drake.kinematics.task import Task
-from fikm_drake.laws.law import Law
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import TrackingScenario
+from fikm_drake.arrays import Array
+from fikm_drake.laws.law import LawLike
+from fikm_drake.simulation.log_info import LogInfo, names_of, versions
+from fikm_drake.simulation.recorder import POSE_COLUMNS, RowCollector
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import BuiltScenario, Scenario, build_scenario
 
-LOGGED = ("joint_step", "gain", "oscillating", "status")
-TIME_STEP = 1e-3
-"""Of a torque-driven arm [s]."""
+ERROR_COLUMNS = {
+    2: ("x_m", "y_m"),
+    3: ("x_m", "y_m", "z_m"),
+    7: ("rx_rad", "ry_rad", "rz_rad", "x_m", "y_m", "z_m"),
+}
+"""Of the error by the size of the target: turns are rotation vectors in the world."""
 
 
 class SimulationStopped(RuntimeError):
     """A run ended early; `log` holds the cycles that were done."""
 
-    def __init__(self, log: TrackingLog, reason: BaseException) -> None:
-        cycles = f"{len(log.time)} of {log.scenario.num_cycles} cycles"
+    def __init__(self, log: RunLog, reason: BaseException) -> None:
+        cycles = f"{len(log) - 1} of {log.scenario.num_cycles} cycles"
         super().__init__(f"the run stopped after {cycles}: {str(reason) or type(reason).__name__}")
         self.log = log
 
 
 def simulate(
-    scenario: TrackingScenario,
+    scenario: Scenario,
     *,
-    law: Law | None = None,
+    law: LawLike | None = None,
+    file: str | Path | None = None,
+    meshcat: Meshcat | None = None,
     progress: Callable[[float], None] | None = None,
-) -> TrackingLog:
+) -> RunLog:
     """Build the Diagram of a scenario, run it in Drake's Simulator and return the log.
 
     Args:
         scenario: what to run.
-        law: another law in place of the scenario's fuzzy mapping; the log does not keep it.
-        progress: called now and then with the fraction of the run that is done.
+        law: another law in place of the controller's own; the log keeps what it calls itself.
+        file: a log that grows while the run goes on, and can be read if the process dies; at the end it is
+            the whole log, as `RunLog.save` writes it.
+        meshcat: shows the run in real time; None: it runs as fast as it can.
+        progress: called now and then with the fraction of the run that is done, and with 1 at the end.
 
     Raises:
         ValueError: the scenario is not valid.
-        SimulationStopped: the run was interrupted or failed; the error carries the log so far.
+        SimulationStopped: the run was interrupted or failed, or the file cannot be written; the error
+            carries the log so far.
     """
-    scenario.validate()
-    arm = scenario.load_arm()
-
-    builder = DiagramBuilder()
-    desired = builder.AddNamedSystem("desired", TrajectorySource(scenario.trajectory()))
-    config = scenario.controller_config()
-    if scenario.servo_bandwidth is None:
-        controller = AddFuzzyIkController(builder, MakeDhArmPlant(arm), config=config, law=law)
-        plant, position = None, controller.GetOutputPort("commanded_position")
-    else:
-        plant = builder.AddNamedSystem("plant", MakeDhArmPlant(arm, time_step=TIME_STEP))
-        controller = AddFuzzyIkTorqueController(
-            builder, plant, config=config, law=law, bandwidth=scenario.servo_bandwidth
-        )
-        position = plant.get_state_output_port()
-    builder.Connect(desired.get_output_port(), controller.GetInputPort("desired_position"))
-    period = 1.0 / scenario.control_rate
-    sinks = {
-        "desired": LogVectorOutput(desired.get_output_port(), builder, period),
-        "position": LogVectorOutput(position, builder, period),
-    }
-    for name in LOGGED:
-        sinks[name] = LogVectorOutput(controller.GetOutputPort(name), builder, period)
-    diagram = builder.Build()
-    diagram.set_name(f"{arm.name} tracking")
-
-    simulator = Simulator(diagram)
+    built = build_scenario(scenario, law=law, meshcat=meshcat)
+    simulator = Simulator(built.diagram)
+    if meshcat is not None:
+        simulator.set_target_realtime_rate(1.0)
     root = simulator.get_mutable_context()
-    controller.SetPositions(controller.GetMyMutableContextFromRoot(root), scenario.start())
-    if plant is not None:
-        plant.SetPositions(plant.GetMyMutableContextFromRoot(root), scenario.start())
-
-    def log() -> TrackingLog:
-        last = position.Eval(position.get_system().GetMyContextFromRoot(root))
-        return _collect(scenario, {name: _data(sink, root) for name, sink in sinks.items()}, last)
-
+    built.set_start(root)
+    rows = RowCollector(_info(built, law), file)
     try:
-        for cycles in _chunks(scenario.num_cycles):
-            # Short of the end of the last wanted cycle, so that rounding cannot add one, but past
-            # the last time step of a torque-driven arm in it.
-            simulator.AdvanceTo((cycles - 0.01) * period)
-            if progress:
-                progress(cycles / scenario.num_cycles)
+        simulator.Initialize()
+        read = _reader(built)
+        rows.add(0.0, read(root))
+        period, cycles = 1.0 / scenario.control_rate, scenario.num_cycles
+        told = 0
+        for k in range(1, cycles + 1):
+            # To the moment before cycle k: the cycle's own update comes with the next call.
+            simulator.AdvanceTo(k * period)
+            rows.add(k * period, read(root))
+            if progress and 100 * k // cycles > told:
+                told = 100 * k // cycles
+                progress(k / cycles)
     except (Exception, KeyboardInterrupt) as reason:
-        if not sinks["desired"].FindLog(root).num_samples():
+        if not len(rows):
             raise
-        raise SimulationStopped(log(), reason) from reason
-    return log()
+        log = _saved(rows, file, ended=str(reason) or type(reason).__name__)
+        raise SimulationStopped(log, reason) from reason
+    return _saved(rows, file)
 
 
-def _chunks(cycles: int) -> list[int]:
-    """Cycles done at the end of each of at most 100 parts of a run."""
-    return sorted({-(-cycles * part // 100) for part in range(1, 101)})
+def _saved(rows: RowCollector, file: str | Path | None, ended: str = "") -> RunLog:
+    log = rows.log(ended=ended)
+    try:
+        if file is not None:
+            log.save(file)
+    except OSError as error:
+        raise SimulationStopped(log, error) from error
+    finally:
+        rows.close()
+    return log
 
 
-def _data(sink: VectorLogSink, root: Context) -> np.ndarray:
-    """Samples (N, size), copied: Drake's are views."""
-    return sink.FindLog(root).data().T.copy()
-
-
-def _collect(
-    scenario: TrackingScenario, data: dict[str, np.ndarray], last: np.ndarray
-) -> TrackingLog:
-    """The log of the cycles done: Drake publishes each sample before the cycle's update."""
-    N = min(len(series) for series in data.values())
-    data = {name: series[:N] for name, series in data.items()}
-    q = np.concatenate([data["position"][1:], [last]])[:, : len(scenario.start())]
-    coordinates = Task(scenario.controller_config().task).coordinates
-    actual = scenario.load_arm().forward_kinematics(q)[:, coordinates, 3]
-    return TrackingLog(
-        scenario=scenario,
-        time=np.arange(N) / scenario.control_rate,
-        desired=data["desired"],
-        actual=actual,
-        q=q,
-        joint_step=data["joint_step"],
-        error=data["desired"] - actual,
-        gain=data["gain"][:, 0],
-        oscillating=data["oscillating"][:, 0] > 0.5,
-        status=data["status"][:, 0].astype(np.int64),
+def _info(built: BuiltScenario, law: LawLike | None) -> LogInfo:
+    """The log's head, with every column's name."""
+    chain, size = built.chain, built.motion.size
+    units = ["rad" if kind == "revolute" else "m" for kind in chain.kinds]
+    joints = [f"{i}_{unit}" for i, unit in enumerate(units, start=1)]
+    points = POSE_COLUMNS if size == 7 else ERROR_COLUMNS[size]
+    columns = {name: [f"{name}_{point}" for point in points] for name in ("desired", "actual")}
+    for name in ("error_before", "error_after"):
+        columns[name] = [f"{name}_{column}" for column in ERROR_COLUMNS[size]]
+    columns["q"] = [f"q_{joint}" for joint in joints]
+    columns["command"] = [f"command_{joint}" for joint in joints]
+    columns["velocity"] = [f"velocity_{joint}ps" for joint in joints]
+    if not built.is_kinematic:
+        torques = ["Nm" if unit == "rad" else "N" for unit in units]
+        columns["torque"] = [f"torque_{i}_{unit}" for i, unit in enumerate(torques, start=1)]
+    for name, port in built.wired.logged.items():
+        count = port.size()
+        if name == "joint_step":
+            columns[name] = [f"joint_step_{joint}" for joint in joints]
+        else:
+            columns[name] = [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
+    statuses = built.wired.statuses
+    return LogInfo(
+        columns,
+        scenario=built.scenario.whole().to_yaml(),
+        law="" if law is None else repr(law),
+        names={"status": names_of(statuses)} if statuses and "status" in columns else {},
+        versions=versions(),
     )
+
+
+def _reader(built: BuiltScenario) -> Callable[[Context], list[Array]]:
+    """A function that gives the values of a row, in the order of the columns."""
+    chain, motion, wired = built.chain, built.motion, built.wired
+    previous: dict[str, Array] = {}
+
+    def read(root: Context) -> list[Array]:
+        now = root.get_time()
+        q = np.array(built.positions(root))
+        X = chain.forward_kinematics(q)
+        desired = motion.numbers(now)
+        before = _error(desired, X)
+        after = _error(previous["desired"], X) if previous else before
+        command = np.array(_eval(wired.command, root))
+        last = previous.get("q", q)
+        previous.update(desired=desired, q=q)
+        row = [desired, _numbers(X, motion.size), before, after, q, command]
+        row.append(_velocity(built, root, (q - last) * built.scenario.control_rate))
+        row += _torque(built, root)
+        return row + [_eval(port, root) for port in wired.logged.values()]
+
+    return read
+
+
+def _velocity(built: BuiltScenario, root: Context, difference: Array) -> Array:
+    """Of the plant's joints; of a kinematic run the commanded one, or the last change of q."""
+    if not built.is_kinematic:
+        own = built.plant.GetMyContextFromRoot(root)
+        return built.plant.GetVelocities(own)[built.chain.velocity_indices]
+    return difference if built.wired.velocity is None else _eval(built.wired.velocity, root)
+
+
+def _torque(built: BuiltScenario, root: Context) -> Iterator[Array]:
+    """What acts in the joints; nothing in a kinematic run."""
+    if built.is_kinematic:
+        return
+    plant, indices = built.plant, built.chain.velocity_indices
+    actuation = _eval(plant.get_net_actuation_output_port(), root)
+    yield (plant.MakeActuationMatrix() @ actuation)[indices]
+
+
+def _eval(port: OutputPort, root: Context) -> Array:
+    return port.Eval(port.get_system().GetMyContextFromRoot(root))
+
+
+def _error(desired: Array, X: Array) -> Array:
+    """Desired less actual: positions [m], after the rotation vector [rad] of a pose."""
+    if len(desired) < 7:
+        return desired - X[: len(desired), 3]
+    wanted = RotationMatrix(Quaternion(desired[:4] / np.linalg.norm(desired[:4])))
+    turn = (wanted @ RotationMatrix(X[:3, :3]).inverse()).ToAngleAxis()
+    return np.concatenate([turn.angle() * turn.axis(), desired[4:] - X[:3, 3]])
+
+
+def _numbers(X: Array, size: int) -> Array:
+    """The tool in the coordinates of the target."""
+    if size < 7:
+        return X[:size, 3]
+    return np.concatenate([RotationMatrix(X[:3, :3]).ToQuaternion().wxyz(), X[:3, 3]])

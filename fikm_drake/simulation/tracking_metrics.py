@@ -21,12 +21,24 @@ class TrackingMetrics:
     """Largest distance from the path [m]."""
     path_mean: float
     """Mean distance from the path [m]."""
+    turn_max: float | None = None
+    """Largest angle to the target's orientation [rad]; None: it does not count."""
+    turn_mean: float | None = None
+    """Mean angle to the target's orientation [rad]."""
+    turn_ss: float | None = None
+    """Angle to the target's orientation after the last cycle [rad]."""
 
     def __str__(self) -> str:
+        turns = (
+            ""
+            if self.turn_max is None or self.turn_mean is None or self.turn_ss is None
+            else f", turned off by max {np.rad2deg(self.turn_max):.3f}°, mean "
+            f"{np.rad2deg(self.turn_mean):.3f}°, at the end {np.rad2deg(self.turn_ss):.4f}°"
+        )
         return (
             f"e_max {100 * self.e_max:.3f} cm, e_mean {100 * self.e_mean:.3f} cm, "
             f"e_ss {100 * self.e_ss:.4f} cm, distance from the path max "
-            f"{100 * self.path_max:.3f} cm, mean {100 * self.path_mean:.3f} cm"
+            f"{100 * self.path_max:.3f} cm, mean {100 * self.path_mean:.3f} cm{turns}"
         )
 
 
@@ -34,10 +46,19 @@ def tracking_metrics(error: Array, actual: Array, waypoints: Array) -> TrackingM
     """Metrics of a run.
 
     Args:
-        error: desired minus actual after each cycle (N,m) [m].
-        actual: tool positions after each cycle (N,m) [m].
+        error: desired minus actual after each cycle (N,m) [m], or (N,6) [rad; m].
+        actual: tool positions after each cycle (N,m) [m], or poses (N,7), the position last.
         waypoints: corners of the path (k,m) [m].
     """
+    turns = {}
+    if error.shape[1] == 6:
+        angle = np.linalg.norm(error[:, :3], axis=1)
+        error, actual = error[:, 3:], actual[:, 4:]
+        turns = {
+            "turn_max": float(angle.max()),
+            "turn_mean": float(angle.mean()),
+            "turn_ss": float(angle[-1]),
+        }
     length = np.linalg.norm(error, axis=1)
     distance = distance_from_path(actual, waypoints)
     return TrackingMetrics(
@@ -46,6 +67,7 @@ def tracking_metrics(error: Array, actual: Array, waypoints: Array) -> TrackingM
         e_ss=float(length[-1]),
         path_max=float(distance.max()),
         path_mean=float(distance.mean()),
+        **turns,
     )
 
 

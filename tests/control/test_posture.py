@@ -76,13 +76,13 @@ def test_a_redundant_arm_goes_to_its_nominal_posture_at_rest(nominal):
     """As near as the task lets it: what is left of the pull is all of the task's rows."""
     config = fd.FuzzyIkConfig(posture_rate=2.0, nominal_position=nominal, fused=True)
     log = self_motion("arm7", START, config, 12.0)
-    assert np.linalg.norm(log.error, axis=1).max() < config.tolerance
-    pull = (np.array(nominal) if nominal else np.zeros(7)) - log.q
+    assert np.linalg.norm(log.cycles.error, axis=1).max() < config.tolerance
+    pull = (np.array(nominal) if nominal else np.zeros(7)) - log.cycles.q
     distance = np.linalg.norm(pull, axis=1)
     assert distance[-1] < distance[0] - 0.05
     assert (np.diff(distance) < 1e-6).all()
     arm = fd.load_arm("arm7")
-    left = [posture_step(arm.jacobian(log.q[k])[3:], pull[k]) for k in (0, -1)]
+    left = [posture_step(arm.jacobian(log.cycles.q[k])[3:], pull[k]) for k in (0, -1)]
     assert np.linalg.norm(left[1]) < 1e-4 * np.linalg.norm(left[0])
     stays = self_motion("arm7", START, fd.FuzzyIkConfig(fused=True), 1.0)
     np.testing.assert_allclose(stays.q, np.tile(START, (len(stays.q), 1)), atol=1e-12)
@@ -104,5 +104,5 @@ def test_the_gain_is_a_rate(rate):
             config=config,
         )
     )
-    left = (1 - 2 / rate) ** np.arange(1, len(log.q) + 1)
-    np.testing.assert_allclose(1.1 - log.q[:, 6], left, atol=1e-6)
+    left = (1 - 2 / rate) ** np.arange(1, len(log.cycles.q) + 1)
+    np.testing.assert_allclose(1.1 - log.cycles.q[:, 6], left, atol=1e-6)

@@ -85,8 +85,7 @@ def scenario_inputs():
 
     def inputs(name, **changes):
         scenario = fd.load_scenario(name)
-        times = np.arange(scenario.num_cycles) / scenario.control_rate
-        desired = scenario.trajectory().vector_values(times).T
+        desired = scenario.targets()
         config = replace(scenario.controller_config(), **changes)
         return scenario.load_arm(), config, scenario.start(), desired
 

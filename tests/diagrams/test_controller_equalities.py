@@ -41,11 +41,11 @@ def naive_controller(arm, config, start, desired, rows):
 def test_simulated_run_equals_a_plain_loop(name, scenario_inputs, fused):
     arm, config, start, desired = scenario_inputs(name, fused=fused)
     q, dtheta, gain = naive_controller(arm, config, start, desired, [3, 4, 5])
-    log = fd.simulate(replace(fd.load_scenario(name), config=config))
-    assert len(log.q) == len(q)
-    np.testing.assert_allclose(log.q, q, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(log.joint_step, dtheta, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(log.gain, gain, rtol=0, atol=1e-6)
+    log = fd.simulate(fd.load_scenario(name).with_config(config))
+    assert len(log.cycles.q) == len(q)
+    np.testing.assert_allclose(log.cycles.q, q, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(log.cycles.joint_step, dtheta, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(log.gain[:-1], gain, rtol=0, atol=1e-6)
 
 
 FUSED_RUNS = [

@@ -9,7 +9,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 from pydrake.systems.primitives import ConstantValueSource, ConstantVectorSource
 
 import fikm_drake as fd
-from fikm_drake.experiments.benchmarks.drake_differential_ik import (
+from fikm_drake.diagrams.drake_differential_ik import (
     desired_pose,
     drake_differential_ik,
 )

@@ -51,15 +51,15 @@ def test_reproduces(key, small):
 )
 def test_curves_have_the_papers_length_and_start_at_the_tool(scenario, length, duration):
     scenario = scenario()
-    points = np.array(scenario.waypoints)
+    points = np.array(scenario.target.positions)
     assert np.linalg.norm(np.diff(points, axis=0), axis=1).sum() == pytest.approx(length, abs=1e-9)
-    assert scenario.duration == duration
+    assert scenario.target.duration == duration
     tool = scenario.load_arm().forward_kinematics(scenario.start())[: points.shape[1], 3]
     assert tool == pytest.approx(points[0], abs=1e-12)
 
 
 def test_complex_path_has_sharp_turns():
-    edges = np.diff(np.array(paths.complex_path_7_joints().waypoints), axis=0)
+    edges = np.diff(np.array(paths.complex_path_7_joints().target.positions), axis=0)
     edges /= np.linalg.norm(edges, axis=1)[:, None]
     turns = np.degrees(np.arccos((edges[1:] * edges[:-1]).sum(-1)))
     assert len(turns) == 9 and turns.min() > 140

@@ -30,23 +30,23 @@ def test_reproduces(key, small):
 def test_scenarios_start_at_the_tool_as_a_plain_rate_loop(name):
     scenario = fd.load_scenario(name)
     tool = scenario.load_arm().forward_kinematics(scenario.start())[:2, 3]
-    assert scenario.waypoints[0] == pytest.approx(tool, abs=1e-12)
-    assert scenario.config == fd.FuzzyIkConfig().resolved_rate()
+    assert scenario.target.positions[0] == pytest.approx(tool, abs=1e-12)
+    assert scenario.controller_options().config == fd.FuzzyIkConfig().resolved_rate()
 
 
 def test_line_has_the_cubic_profile_of_equation_16():
     scenario = fd.load_scenario("frmrc_line")
-    a, b = np.array(scenario.waypoints)
+    a, b = np.array(scenario.target.positions)
     t = np.linspace(0.0, 1.0, 9)
     expected = a + (b - a) * (3 * t**2 - 2 * t**3)[:, None]
-    values = scenario.trajectory().vector_values(scenario.duration * t).T
+    values = np.array([scenario.target_motion().position(scenario.target.duration * s) for s in t])
     np.testing.assert_allclose(values, expected, atol=1e-12)
     lines = random_lines.cubic_lines(a[None], b[None], 8)
     np.testing.assert_allclose(lines[:, 0], expected, atol=1e-12)
 
 
 def test_circle_is_three_cycles_of_one_radius():
-    points = np.array(fd.load_scenario("frmrc_circle").waypoints)
+    points = np.array(fd.load_scenario("frmrc_circle").target.positions)
     radius = np.linalg.norm(points - points[:120].mean(axis=0), axis=1)
     np.testing.assert_allclose(radius, 0.25, atol=1e-6)
     np.testing.assert_allclose(points[::120], np.tile(points[0], (4, 1)), atol=1e-9)
@@ -58,11 +58,11 @@ def test_batch_loop_is_the_simulators():
     law = fd.FuzzyRateControl(sweeps=2)
     log = fd.simulate(scenario, law=law)
     run = random_lines.track(
-        law, scenario.load_arm(), [scenario.start()], log.desired[:, None, :], hold=0
+        law, scenario.load_arm(), [scenario.start()], log.cycles.desired[:, None, :], hold=0
     )
     expected = np.linalg.norm(errors_before(log), axis=1)
     np.testing.assert_allclose(run.error[:, 0], expected, atol=1e-9)
-    travel = np.linalg.norm(log.joint_step, axis=1).sum()
+    travel = np.linalg.norm(log.cycles.joint_step, axis=1).sum()
     assert run.travel[0] == pytest.approx(travel, rel=1e-9)
 
 

@@ -26,7 +26,7 @@ def test_unsupervised_rollout_is_resolved_rate():
     scenario = paths.curve_2_joints()
     law = fd.FuzzyMapping(iterations=2)
     config = fd.FuzzyIkConfig(law=law, fused=True).resolved_rate()
-    log = fd.simulate(replace(scenario, config=config))
+    log = fd.simulate(scenario.with_config(config))
     starts = scenario.start()[None]
     arm = scenario.load_arm()
     run = rollout(arm, starts, log.desired[:, None], law=law, supervised=False)

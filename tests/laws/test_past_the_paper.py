@@ -78,14 +78,14 @@ def test_every_law_moves_the_arm_to_the_target(law):
     )
     for fused in (False, True):
         config = dataclasses.replace(SHARP, fused=fused)
-        log = fd.simulate(dataclasses.replace(scenario, config=config), law=law)
+        log = fd.simulate(scenario.with_config(config), law=law)
         assert log.metrics().e_ss < 1e-4
 
 
 @pytest.mark.parametrize(("seconds", "limit"), [(10, 0.002), (5, 0.006), (2, 0.04)])
 def test_three_iterations_reach_the_pseudo_inverses_floor_on_table_6(seconds, limit):
     config = dataclasses.replace(SHARP, law=fd.FuzzyMapping(iterations=3))
-    log = fd.simulate(dataclasses.replace(fd.load_scenario(f"table6_{seconds}s"), config=config))
+    log = fd.simulate(fd.load_scenario(f"table6_{seconds}s").with_config(config))
     assert 100 * log.metrics().e_max <= limit
 
 

@@ -1,7 +1,5 @@
 """Short runs that many tests read."""
 
-import dataclasses
-
 import pytest
 
 from fikm_drake import TrackingScenario, simulate
@@ -25,4 +23,4 @@ def spatial_log():
 def any_log(request, planar_log, spatial_log):
     """A copy whose arrays may be written to."""
     log = {"planar": planar_log, "spatial": spatial_log}[request.param]
-    return dataclasses.replace(log)
+    return log.replace()

@@ -1,6 +1,5 @@
 """Plots and pages of a run."""
 
-import dataclasses
 import re
 
 import numpy as np
@@ -28,25 +27,22 @@ def test_plot_is_a_png_and_a_figure(any_log, tmp_path):
 def test_plot_shows_the_error_of_the_log(planar_log):
     (line,) = plot_log(planar_log).axes[0].lines
     np.testing.assert_array_equal(line.get_xdata(), planar_log.time)
-    expected = 100 * np.linalg.norm(planar_log.error, axis=1)
+    expected = 100 * np.linalg.norm(planar_log.error_after, axis=1)
     np.testing.assert_allclose(line.get_ydata(), expected)
 
 
 def test_cycles_that_need_a_look_are_shaded(planar_log):
     status = np.full(len(planar_log.time), int(ControllerStatus.TRACKING))
-    plain = dataclasses.replace(planar_log, status=status)
+    plain = planar_log.replace(status=status)
     status = status.copy()
     status[3:6] = status[-2:] = ControllerStatus.LIMITED
-    shaded = dataclasses.replace(planar_log, status=status)
+    shaded = planar_log.replace(status=status)
     counts = [len(plot_log(log).axes[0].patches) for log in (plain, shaded)]
     assert counts == [0, 2]
 
 
 def test_a_log_of_one_cycle_can_be_drawn(planar_log, tmp_path):
-    from fikm_drake.simulation.tracking_log import series_names
-
-    one = {name: getattr(planar_log, name)[:1] for name in series_names()}
-    log = dataclasses.replace(planar_log, **one)
+    log = planar_log.rows(slice(0, 1))
     plot_log(log, tmp_path / "one.png")
     assert (tmp_path / "one.png").read_bytes().startswith(PNG)
     write_html(log, tmp_path / "one.html")

@@ -23,15 +23,15 @@ from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
+from fikm_drake.simulation.scenario import Scenario, TrackingScenario, load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 LAST = 50
 """Cycles at the end in which motion is measured [-]."""
 OUT_OF_REACH = {"planar4": ([0.0, 2.0], 0.5), "arm7": ([2.0, 0.0, 0.0], 1.0)}
 """Targets by arm, from its stretched or its zero posture, and their distance from its reach [m]."""
 
-Loop = Callable[[TrackingScenario], Array]
+Loop = Callable[[Scenario], Array]
 
 
 @dataclass(frozen=True)
@@ -109,10 +109,10 @@ def table(seconds: int, progress: Callable[[float], None]) -> BenchmarkTable:
 
 def _measure(name: str, loop: Loop, seconds: float) -> HardResult:
     line = load_scenario("table6_5s")
-    moving = round(line.duration * line.control_rate)
+    moving = round(line.target.duration * line.control_rate)
     errors = _errors(line, loop(line))[:moving]
     large = load_scenario("large_step_4")
-    large = TrackingScenario(arm=large.arm, waypoints=large.waypoints, hold=seconds)
+    large = large.but(target__hold=seconds)
     q = loop(large)
     bad = np.flatnonzero(_errors(large, q) >= 1e-3)
     motion = np.abs(np.diff(np.vstack([large.start(), q]), axis=0)).max()
@@ -131,39 +131,32 @@ def _measure(name: str, loop: Loop, seconds: float) -> HardResult:
     )
 
 
-def _targets(scenario: TrackingScenario) -> Array:
-    """The target (N,m) of each cycle."""
-    trajectory = scenario.trajectory()
-    times = np.arange(scenario.num_cycles) / scenario.control_rate
-    return np.array([trajectory.value(t)[:, 0] for t in times])
-
-
-def _errors(scenario: TrackingScenario, q: Array) -> Array:
+def _errors(scenario: Scenario, q: Array) -> Array:
     """Length of the error after each cycle (N,)."""
-    targets = _targets(scenario)
+    targets = scenario.targets()
     tool = scenario.load_arm().forward_kinematics(q)[:, : targets.shape[1], 3]
     return np.linalg.norm(tool - targets, axis=1)
 
 
-def _ours(config: FuzzyIkConfig, scenario: TrackingScenario) -> Array:
+def _ours(config: FuzzyIkConfig, scenario: Scenario) -> Array:
     fused = dataclasses.replace(config, fused=True)
-    return simulate(dataclasses.replace(scenario, config=fused)).q
+    return simulate(scenario.with_config(fused)).cycles.q
 
 
-def _plain(law: Law, scenario: TrackingScenario) -> Array:
+def _plain(law: Law, scenario: Scenario) -> Array:
     """A step a cycle for the whole error, inside the joint limits."""
     plant = MakeDhArmPlant(scenario.load_arm())
     kinematics = as_task(plant, "tool", scenario.controller_config().task)
     lower, upper = kinematics.arm.lower, kinematics.arm.upper
     q, positions = scenario.start(), []
-    for target in _targets(scenario):
+    for target in scenario.targets():
         error, J = kinematics.error_and_jacobian(target, q)
         q = np.clip(q + law.step(J, error), lower, upper)
         positions.append(q)
     return np.array(positions)
 
 
-def _drake(scenario: TrackingScenario) -> Array:
+def _drake(scenario: Scenario) -> Array:
     """A step a cycle by Drake's function with its defaults, for the rows of the task."""
     plant = MakeDhArmPlant(scenario.load_arm())
     n, period = plant.num_positions(), 1.0 / scenario.control_rate
@@ -171,11 +164,11 @@ def _drake(scenario: TrackingScenario) -> Array:
     parameters.set_time_step(period)
     q, positions = scenario.start(), []
     parameters.set_nominal_joint_position(q)
-    rows = len(scenario.waypoints[0])
+    rows = len(scenario.corners[0])
     parameters.set_end_effector_velocity_flag([False] * 3 + [True] * rows + [False] * (3 - rows))
     context, frame = plant.CreateDefaultContext(), plant.GetFrameByName("tool")
     stuck = DifferentialInverseKinematicsStatus.kNoSolutionFound
-    for target in _targets(scenario):
+    for target in scenario.targets():
         plant.SetPositions(context, q)
         X = frame.CalcPoseInWorld(context)
         desired = RigidTransform(X.rotation(), np.r_[target, np.zeros(3 - rows)])

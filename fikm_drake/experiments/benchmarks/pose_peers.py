@@ -15,7 +15,7 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.benchmarks.drake_differential_ik import (
+from fikm_drake.diagrams.drake_differential_ik import (
     desired_pose,
     drake_differential_ik,
 )

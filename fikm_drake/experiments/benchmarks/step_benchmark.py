@@ -19,7 +19,7 @@ from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 
 SCENARIO = "table6_5s"
 VELOCITY_LIMIT = 2.0
@@ -117,8 +117,8 @@ def _follow(step: Step, cycles: int) -> list[float]:
         gc.enable()
 
 
-def _our_step(*, fused: bool) -> Callable[[TrackingScenario], Step]:
-    def make(scenario: TrackingScenario) -> Step:
+def _our_step(*, fused: bool) -> Callable[[Scenario], Step]:
+    def make(scenario: Scenario) -> Step:
         plant = MakeDhArmPlant(scenario.load_arm())
         config = dataclasses.replace(scenario.controller_config(), fused=fused)
         controller = MakeFuzzyIkController(plant, config=config)
@@ -126,14 +126,14 @@ def _our_step(*, fused: bool) -> Callable[[TrackingScenario], Step]:
         context = simulator.get_mutable_context()
         controller.SetPositions(context, scenario.start())
         port = controller.GetInputPort("desired_position")
-        targets = _targets(scenario)
+        targets = scenario.targets()
         return _timed(simulator, lambda k: port.FixValue(context, targets[k]), scenario)
 
     return make
 
 
-def _drake_step(*, usual: bool) -> Callable[[TrackingScenario], Step]:
-    def make(scenario: TrackingScenario) -> Step:
+def _drake_step(*, usual: bool) -> Callable[[Scenario], Step]:
+    def make(scenario: Scenario) -> Step:
         plant = MakeDhArmPlant(scenario.load_arm())
         n, period = plant.num_positions(), 1.0 / scenario.control_rate
         parameters = DifferentialInverseKinematicsParameters(n, n)
@@ -151,14 +151,14 @@ def _drake_step(*, usual: bool) -> Callable[[TrackingScenario], Step]:
         context = simulator.get_mutable_context()
         integrator.SetPositions(context, scenario.start())
         X_WE = integrator.ForwardKinematics(context)
-        poses = [Value(RigidTransform(X_WE.rotation(), p)) for p in _targets(scenario)]
+        poses = [Value(RigidTransform(X_WE.rotation(), p)) for p in scenario.targets()]
         port = integrator.GetInputPort("X_AE_desired")
         return _timed(simulator, lambda k: port.FixValue(context, poses[k]), scenario)
 
     return make
 
 
-def _timed(simulator: Simulator, set_target: Callable, scenario: TrackingScenario) -> Step:
+def _timed(simulator: Simulator, set_target: Callable, scenario: Scenario) -> Step:
     simulator.Initialize()
     period = 1.0 / scenario.control_rate
 
@@ -170,9 +170,3 @@ def _timed(simulator: Simulator, set_target: Callable, scenario: TrackingScenari
         return time.process_time() - start
 
     return step
-
-
-def _targets(scenario: TrackingScenario) -> np.ndarray:
-    trajectory = scenario.trajectory()
-    times = np.arange(scenario.num_cycles) / scenario.control_rate
-    return np.array([trajectory.value(t)[:, 0] for t in times])

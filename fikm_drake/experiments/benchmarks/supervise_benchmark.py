@@ -9,12 +9,12 @@ from pydrake.multibody.inverse_kinematics import DifferentialInverseKinematicsCo
 from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
-from fikm_drake.diagrams.supervised_differential_ik import SupervisedDifferentialIk
-from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
-from fikm_drake.experiments.benchmarks.drake_differential_ik import (
+from fikm_drake.diagrams.drake_differential_ik import (
     desired_pose,
     drake_differential_ik,
 )
+from fikm_drake.diagrams.supervised_differential_ik import SupervisedDifferentialIk
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose, is_near
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.dh_arm import DhArm

@@ -10,8 +10,7 @@ import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.report import Cell, at_most
-from fikm_drake.kinematics.task import Task
-from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.run_log import RunLog
 
 NOTE = [
     "After step: the error that a cycle's step leaves to that cycle's target; before step: what it finds.",
@@ -37,20 +36,17 @@ class Errors:
         return cls(float(length.max()), float(length.mean()), float(length[-1]))
 
 
-def errors_before(log: TrackingLog) -> Array:
-    """Desired minus actual at the start of each cycle (N,m) [m]; the log's own is after its step."""
-    scenario = log.scenario
-    coordinates = Task(scenario.controller_config().task).coordinates
-    start = scenario.load_arm().forward_kinematics(scenario.start())[coordinates, 3]
-    return log.desired - np.concatenate([start[None], log.actual[:-1]])
+def errors_before(log: RunLog) -> Array:
+    """Desired minus actual at the start of each cycle (N,m) [m]."""
+    return log.error_before[:-1]
 
 
-def both(log: TrackingLog) -> tuple[Errors, Errors]:
+def both(log: RunLog) -> tuple[Errors, Errors]:
     """Errors of a run after each step, and before it."""
-    return Errors.of(log.error), Errors.of(errors_before(log))
+    return Errors.of(log.cycles.error), Errors.of(errors_before(log))
 
 
-def error_cells(log: TrackingLog, paper: tuple[float, float], prefix: str = "") -> list[Cell]:
+def error_cells(log: RunLog, paper: tuple[float, float], prefix: str = "") -> list[Cell]:
     """e_max and e_mean [cm] beside the paper's, by both conventions."""
     after, before = both(log)
     return [

@@ -8,9 +8,9 @@ import numpy as np
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.experiments.reproduce.report import Cell, Section
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import load_scenario
 
 LINE = "table6_2s"
 UNREACHABLE = "unreachable_4"
@@ -57,15 +57,15 @@ def ablation() -> Section:
     cells = []
     for name, config in variants().items():
         config = dataclasses.replace(config, fused=True)
-        line = simulate(dataclasses.replace(load_scenario(LINE), config=config))
+        line = simulate(load_scenario(LINE).with_config(config))
         m = line.metrics()
         figures = (
             f"{100 * m.e_max:6.2f} / {100 * m.e_mean:5.2f} / {100 * m.e_ss:6.3f}"
             f" / {_reversals(line):4.1f}"
         )
-        out = simulate(dataclasses.replace(load_scenario(UNREACHABLE), config=config))
+        out = simulate(load_scenario(UNREACHABLE).with_config(config))
         beyond = 1000 * (out.metrics().e_ss - OPTIMUM)
-        motion = np.abs(out.joint_step[-LAST:]).max()
+        motion = np.abs(out.cycles.joint_step[-LAST:]).max()
         cells.append(Cell(name, None, f"{figures} | {beyond:6.1f} / {motion:.3f}"))
     return Section(
         "ablation",
@@ -83,8 +83,8 @@ def ablation() -> Section:
     )
 
 
-def _reversals(log: TrackingLog) -> float:
+def _reversals(log: RunLog) -> float:
     """Mean number of changes of sign of a joint's steps in a second."""
-    signs = np.sign(np.where(np.abs(log.joint_step) > 1e-9, log.joint_step, 0.0))
+    signs = np.sign(np.where(np.abs(log.cycles.joint_step) > 1e-9, log.cycles.joint_step, 0.0))
     changes = (signs[1:] * signs[:-1] < 0).sum(axis=0).mean()
-    return float(changes / (len(log.time) / log.scenario.control_rate))
+    return float(changes / (len(log.cycles.time) / log.scenario.control_rate))

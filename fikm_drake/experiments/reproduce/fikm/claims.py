@@ -1,15 +1,13 @@
 """Paper 1, section 5: its claims in words, checked and told as they are."""
 
-import dataclasses
-
 import numpy as np
 
 from fikm_drake.experiments.reproduce.fikm import paths
 from fikm_drake.experiments.reproduce.fikm.costs import saving_cells
 from fikm_drake.experiments.reproduce.report import Cell, Section
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 PRINTED = "279, 179 by its cells"
 """The growth that the text states, and the one of its Table VI: 3.07 over 1.10."""
@@ -17,7 +15,7 @@ SETTLED = 0.01
 """What we call zero after one second of hold [cm]."""
 
 
-def scenarios() -> dict[str, TrackingScenario]:
+def scenarios() -> dict[str, Scenario]:
     """The paths of section 4.4."""
     return {
         "2 joints, curve": paths.curve_2_joints(),
@@ -31,8 +29,7 @@ def scenarios() -> dict[str, TrackingScenario]:
 def claims() -> Section:
     """Section 5: steady state, error against speed, smooth joints, distal joints, the 2.5 times."""
     logs = {
-        name: simulate(dataclasses.replace(scenario, hold=1.0))
-        for name, scenario in scenarios().items()
+        name: simulate(scenario.but(target__hold=1.0)) for name, scenario in scenarios().items()
     }
     cells = []
     for name, log in logs.items():
@@ -48,7 +45,7 @@ def claims() -> Section:
     for name, log in logs.items():
         text = " ".join(f"{x:.2f}" for x in _travel(log))
         cells.append(Cell(f"{name}: travel of each joint [rad]", None, text))
-    acceleration = np.diff(logs["7 joints, line in 10 s"].q, n=2, axis=0) * 50.0**2
+    acceleration = np.diff(logs["7 joints, line in 10 s"].cycles.q, n=2, axis=0) * 50.0**2
     text = " ".join(f"{x:.2f}" for x in np.sqrt((acceleration**2).mean(axis=0)))
     cells.append(Cell("line in 10 s: acceleration of each joint, rms [rad/s²]", None, text))
     for name, log in logs.items():
@@ -68,11 +65,10 @@ def _growth(slow: float, fast: float) -> float:
     return float(np.round(100 * (fast / slow - 1)))
 
 
-def _travel(log: TrackingLog) -> np.ndarray:
-    q = np.concatenate([log.scenario.start()[None], log.q])
-    return np.abs(np.diff(q, axis=0)).sum(axis=0)
+def _travel(log: RunLog) -> np.ndarray:
+    return np.abs(np.diff(log.q, axis=0)).sum(axis=0)
 
 
-def _most_reversals(log: TrackingLog) -> int:
-    signs = np.sign(np.where(np.abs(log.joint_step) > 1e-6, log.joint_step, 0.0))
+def _most_reversals(log: RunLog) -> int:
+    signs = np.sign(np.where(np.abs(log.cycles.joint_step) > 1e-6, log.cycles.joint_step, 0.0))
     return int((signs[1:] * signs[:-1] < 0).sum(axis=0).max())

@@ -14,8 +14,8 @@ from fikm_drake.experiments.reproduce.report import Cell, Section, equal
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.fuzzy_mapping import METHODS, FuzzyMapping
+from fikm_drake.simulation.scenario import load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_scenario import load_scenario
 
 TABLE_7 = {
     "P560, closed form": (53, 26, 10, 8, 2, 176),
@@ -189,8 +189,8 @@ def direct() -> Section:
         scenario = load_scenario(f"table6_{seconds}s")
         errors = {}
         for method in METHODS:
-            config = replace(scenario.config, law=FuzzyMapping(method))
-            errors[method] = both(simulate(replace(scenario, config=config)))
+            config = replace(scenario.controller_config(), law=FuzzyMapping(method))
+            errors[method] = both(simulate(scenario.with_config(config)))
         for quantity in ("e_max", "e_mean"):
             for method, found in errors.items():
                 after, before = (100 * float(getattr(e, quantity)) for e in found)

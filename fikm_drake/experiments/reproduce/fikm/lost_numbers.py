@@ -10,7 +10,7 @@ from fikm_drake.experiments.reproduce.fikm import paths
 from fikm_drake.experiments.reproduce.fikm.rollout import AVERAGES, UNKNOWN, Reading, rollout
 from fikm_drake.experiments.reproduce.fikm.tracking import TABLE_6
 from fikm_drake.experiments.reproduce.report import Cell, Section
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 
 READINGS: dict[str, Reading] = {
     "ours": Reading(),
@@ -34,7 +34,7 @@ class Wanted:
     """A path and what the paper has of it."""
 
     key: str
-    scenario: TrackingScenario
+    scenario: Scenario
     e_max: float
     """[cm]"""
     e_mean: float
@@ -42,9 +42,7 @@ class Wanted:
 
     def targets(self) -> Array:
         """One a cycle (T,1,m) [m]."""
-        trajectory, rate = self.scenario.trajectory(), self.scenario.control_rate
-        cycles = range(self.scenario.num_cycles)
-        return np.array([trajectory.value(k / rate).T for k in cycles])
+        return self.scenario.targets()[:, None, :]
 
 
 def wanted() -> list[Wanted]:

@@ -9,10 +9,15 @@ from fikm_drake.diagrams.fuzzy_ik_torque_controller import BANDWIDTH
 from fikm_drake.experiments.benchmarks.supervise_benchmark import supervise_benchmark
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import (
+    Scenario,
+    TorqueDriven,
+    TrackingScenario,
+    load_scenario,
+)
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 LINES = {"10": 0.002, "5": 0.006, "2": 0.04}
 """Table VI's lines by their seconds, and the largest error that three iterations may have [cm]."""
@@ -29,19 +34,19 @@ def past() -> Section:
     cells = []
     sharp = FuzzyIkConfig(law=FuzzyMapping(iterations=3)).resolved_rate()
     for seconds, most in LINES.items():
-        log = simulate(dataclasses.replace(load_scenario(f"table6_{seconds}s"), config=sharp))
+        log = simulate(load_scenario(f"table6_{seconds}s").with_config(sharp))
         error = 100.0 * log.metrics().e_max
         cells.append(_at_most(f"3 iterations, line in {seconds} s: e_max [cm]", error, most))
     largest = 0.0
     for arm, (target, optimum) in OUT_OF_REACH.items():
         log = simulate(TrackingScenario(arm=arm, waypoints=[target], hold=HOLD))
-        largest = max(largest, float(np.abs(log.joint_step).max()))
-        motion = float(np.abs(log.joint_step[SETTLED:]).max())
+        largest = max(largest, float(np.abs(log.cycles.joint_step).max()))
+        motion = float(np.abs(log.cycles.joint_step[SETTLED:]).max())
         beyond = 1000.0 * log.metrics().e_ss - optimum
         cells.append(_at_most(f"{arm}, out of reach: error over the least [mm]", beyond, 1.0))
         cells.append(_at_most(f"{arm}, after {SETTLED} cycles: joint step [rad]", motion, 1e-4))
     log = simulate(TrackingScenario(arm="planar2", waypoints=[[1.0, 0.0]], hold=2.0))
-    largest = max(largest, float(np.abs(log.joint_step).max()))
+    largest = max(largest, float(np.abs(log.cycles.joint_step).max()))
     cells.append(_at_most("dead point: under 1 mm for good after [s]", _settled(log), 2.0))
     cells.append(_at_most("largest joint step of a cycle in these [rad]", largest, 0.5))
     return Section(
@@ -59,9 +64,9 @@ def _at_most(label: str, ours: float, bound: float) -> Cell:
     return Cell(f"{label}, at most {bound:g}", None, ours, reached=ours <= bound)
 
 
-def _settled(log: TrackingLog) -> float:
+def _settled(log: RunLog) -> float:
     """Time from which the error stays under 1 mm [s]."""
-    late = np.flatnonzero(np.linalg.norm(log.error, axis=1) >= 1e-3)
+    late = np.flatnonzero(np.linalg.norm(log.cycles.error, axis=1) >= 1e-3)
     return (late[-1] + 1) / log.scenario.control_rate if late.size else 0.0
 
 
@@ -93,9 +98,9 @@ def torque() -> Section:
     )
 
 
-def _torque_driven(scenario: TrackingScenario, measured: bool) -> TrackingScenario:
-    config = dataclasses.replace(scenario.config, measured_position=measured)
-    return dataclasses.replace(scenario, config=config, servo_bandwidth=BANDWIDTH)
+def _torque_driven(scenario: Scenario, measured: bool) -> Scenario:
+    config = dataclasses.replace(scenario.controller_config(), measured_position=measured)
+    return scenario.with_config(config).but(plant=TorqueDriven(BANDWIDTH))
 
 
 def _text(m: TrackingMetrics) -> str:

@@ -14,8 +14,8 @@ from fikm_drake.experiments.reproduce.fikm.rollout import Rollout, rollout
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.simulation.scenario import Scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_scenario import TrackingScenario
 
 CURVES, SEED = 100, 5
 DEFAULT_CURVES = 40
@@ -35,7 +35,7 @@ class Figure1:
     """A curve of section 4.4 and what the paper has of it."""
 
     key: str
-    scenario: Callable[[], TrackingScenario]
+    scenario: Callable[[], Scenario]
     radii: tuple[float, float]
     """Of the tool's positions about the base that random postures have [m]."""
     e_max: float
@@ -52,7 +52,7 @@ CURVE_FIGURES = (
 
 
 def random_curves(
-    scenario: TrackingScenario, radii: tuple[float, float], count: int, *, seed: int = SEED
+    scenario: Scenario, radii: tuple[float, float], count: int, *, seed: int = SEED
 ) -> tuple[Array, Array]:
     """Closed smooth curves of a scenario's arm, length, time, rate and hold, from random postures.
 
@@ -66,9 +66,9 @@ def random_curves(
         Start postures (N,n) [rad], targets (T,N,m) [m].
     """
     arm, rng = scenario.load_arm(), np.random.default_rng(seed)
-    rows, length = len(scenario.waypoints[0]), paths.path_length(scenario.waypoints)
+    rows, length = len(scenario.corners[0]), paths.path_length(scenario.corners)
     low, high = radii[0] + MARGIN * np.ptp(radii), radii[1] - MARGIN * np.ptp(radii)
-    cycles = np.arange(scenario.num_cycles) / (scenario.duration * scenario.control_rate)
+    cycles = np.arange(scenario.num_cycles) / (scenario.target.duration * scenario.control_rate)
     order = np.arange(1, HARMONICS + 1)[:, None]
     angle = 2.0 * np.pi * order * np.linspace(0.0, 1.0, POINTS)
     waves = np.concatenate([np.sin(angle), np.cos(angle) - 1.0]) / np.tile(order, (2, 1))
@@ -105,15 +105,12 @@ def configured(figure: Figure1, count: int, config: FuzzyIkConfig) -> tuple[Arra
     scenario, (starts, targets) = figure.scenario(), _curves(figure, count)
     after = []
     for q, way in zip(starts, targets.swapaxes(0, 1)):
-        moving = round(scenario.duration * scenario.control_rate) + 1
-        run = replace(
-            scenario,
-            waypoints=way[:moving].tolist(),
-            initial_position=q.tolist(),
-            config=replace(config, fused=True),
+        moving = round(scenario.target.duration * scenario.control_rate) + 1
+        run = scenario.with_config(replace(config, fused=True)).but(
+            target__positions=way[:moving].tolist(), initial_position=q.tolist()
         )
         log = simulate(run)
-        after.append(np.stack([log.error, log.desired - np.roll(log.actual, 1, axis=0)]))
+        after.append(np.stack([log.cycles.error, log.error_before[:-1]]))
     lengths = np.linalg.norm(after, axis=-1)
     return lengths[:, 0, :].T, lengths[:, 1, 1:].T
 
@@ -146,7 +143,7 @@ def spread() -> Section:
     axes = picture.subplots(2, len(CURVE_FIGURES))
     for k, figure in enumerate(CURVE_FIGURES):
         scenario = figure.scenario()
-        arm, rows = scenario.load_arm(), len(scenario.waypoints[0])
+        arm, rows = scenario.load_arm(), len(scenario.corners[0])
         run = faithful(figure, CURVES)
         cells.append(_share(f"{figure.key}, the paper's controller", figure, run.after, run.before))
         quantiles = [

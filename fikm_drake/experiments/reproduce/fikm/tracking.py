@@ -6,9 +6,9 @@ from fikm_drake.experiments.reproduce.conventions import NOTE, error_cells
 from fikm_drake.experiments.reproduce.fikm import paths
 from fikm_drake.experiments.reproduce.report import Cell, Section, at_most
 from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 TABLE_6 = {10: (1.10, 0.59, 0.09), 5: (1.57, 0.82, None), 2: (3.07, 1.05, None)}
 """Time [s]: e_max, e_mean, e_ss [cm]; the text gives e_ss for 10 s."""
@@ -22,7 +22,7 @@ def table_6() -> Section:
     for seconds, (e_max, e_mean, e_ss) in TABLE_6.items():
         log = simulate(load_scenario(f"table6_{seconds}s"))
         m = log.metrics()
-        speed = paths.path_length(log.scenario.waypoints) / log.scenario.duration
+        speed = paths.path_length(log.scenario.corners) / log.scenario.target.duration
         label = f"{100 * speed:5.2f} cm/s"
         cells += [
             *error_cells(log, (e_max, e_mean), f"{label}, "),
@@ -88,15 +88,17 @@ def figure_21() -> Section:
 
 def _large_step(key: str, title: str, scenario: str, millimetres: float) -> Section:
     log = simulate(load_scenario(scenario))
-    error = 1000 * np.linalg.norm(log.error, axis=1)
+    error = 1000 * np.linalg.norm(log.cycles.error, axis=1)
     slow = np.flatnonzero(error >= millimetres)
-    within = log.time[slow[-1]] + 1 / log.scenario.control_rate if len(slow) else 0.0
+    within = log.cycles.time[slow[-1]] + 1 / log.scenario.control_rate if len(slow) else 0.0
     cells = [
         Cell(
             "error after 1 s [mm]", f"< {millimetres:g}", float(error[-1]), error[-1] < millimetres
         ),
         Cell(f"under {millimetres:g} mm for good after [s]", "1", float(within)),
-        Cell("largest joint step of a cycle [rad]", None, float(np.abs(log.joint_step).max())),
+        Cell(
+            "largest joint step of a cycle [rad]", None, float(np.abs(log.cycles.joint_step).max())
+        ),
     ]
     return Section(key, title, cells, pictures={key.replace(" ", "_"): plot_log(log)})
 
@@ -104,13 +106,13 @@ def _large_step(key: str, title: str, scenario: str, millimetres: float) -> Sect
 def _curve(
     key: str,
     title: str,
-    scenario: TrackingScenario,
+    scenario: Scenario,
     length: float,
     paper: tuple[float, float, float],
 ) -> Section:
     log = simulate(scenario)
     m = log.metrics()
-    measured = paths.path_length(scenario.waypoints)
+    measured = paths.path_length(scenario.corners)
     cells = [
         Cell("length of the path [m]", length, measured, abs(measured - length) < 1e-6),
         *error_cells(log, paper[:2]),
@@ -120,7 +122,7 @@ def _curve(
     ]
     return Section(
         key,
-        f"{title}, in {scenario.duration:g} s",
+        f"{title}, in {scenario.target.duration:g} s",
         cells,
         notes=[
             *NOTE,
@@ -131,6 +133,6 @@ def _curve(
     )
 
 
-def _acceleration(log: TrackingLog) -> float:
-    second = np.diff(log.q, n=2, axis=0) * log.scenario.control_rate**2
+def _acceleration(log: RunLog) -> float:
+    second = np.diff(log.cycles.q, n=2, axis=0) * log.scenario.control_rate**2
     return float(np.sqrt((second**2).mean()))

@@ -1,7 +1,5 @@
 """Past paper 3: the law in the main controller, out of reach, and whether a pass makes an error longer."""
 
-import dataclasses
-
 import numpy as np
 
 from fikm_drake.arrays import Array
@@ -11,8 +9,8 @@ from fikm_drake.experiments.reproduce.frmrc.laws import ONE, PAPER, RMRC, THREE,
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
+from fikm_drake.simulation.scenario import load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_scenario import load_scenario
 
 LINE = "table6_5s"
 
@@ -20,7 +18,7 @@ LINE = "table6_5s"
 def controller() -> Section:
     """The same Diagram, the law swapped by one argument: arm7, the line of 93.5 cm in 5 s."""
     scenario = load_scenario(LINE)
-    plain = dataclasses.replace(scenario, config=FuzzyIkConfig().resolved_rate())
+    plain = scenario.with_config(FuzzyIkConfig().resolved_rate())
     found = laws(scenario.load_arm(), "position")
     cells = []
     for name, law in found.items():
@@ -41,13 +39,13 @@ def controller() -> Section:
 def out_of_reach() -> Section:
     """A target half a metre out of reach of the stretched 4-joint arm: does the arm come to rest?"""
     scenario = load_scenario(UNREACHABLE)
-    plain = dataclasses.replace(scenario, config=FuzzyIkConfig().resolved_rate())
+    plain = scenario.with_config(FuzzyIkConfig().resolved_rate())
     found = laws(scenario.load_arm(), "xy") | {"damped least squares": DampedLeastSquares()}
     cells = []
     for name, law in found.items():
         log = simulate(plain, law=law)
         beyond = 1000 * (log.metrics().e_ss - OPTIMUM)
-        motion = float(np.abs(log.joint_step[-LAST:]).max())
+        motion = float(np.abs(log.cycles.joint_step[-LAST:]).max())
         smooth = name not in (PAPER, RMRC, "damped least squares")
         claim = bool(abs(beyond) < 1e-3 and motion < 1e-6) if smooth else None
         cells.append(Cell(name, None, f"{beyond:.3g} / {motion:.2g}", claim))

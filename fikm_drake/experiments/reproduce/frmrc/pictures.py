@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fikm_drake.experiments.reproduce.conventions import errors_before
-from fikm_drake.simulation.tracking_log import TrackingLog
+from fikm_drake.simulation.run_log import RunLog
 
 
-def comparison(logs: dict[str, TrackingLog], shown: str, count: int) -> Figure:
+def comparison(logs: dict[str, RunLog], shown: str, count: int) -> Figure:
     """Snapshots of one log at the left, as (a) of figures 6 and 7, the errors of all at the right.
 
     Args:
@@ -26,7 +26,7 @@ def comparison(logs: dict[str, TrackingLog], shown: str, count: int) -> Figure:
         axes = first = figure.add_subplot(grid[row, 1], sharex=first, sharey=first)
         error = 1000 * errors_before(log)
         for series, label in zip(error.T, "xy"):
-            axes.plot(log.time, series, label=label, linewidth=1.2)
+            axes.plot(log.cycles.time, series, label=label, linewidth=1.2)
         axes.set_title(
             f"{name}: max {np.linalg.norm(error, axis=1).max():.1f} mm", fontsize=9, loc="left"
         )
@@ -41,10 +41,10 @@ def comparison(logs: dict[str, TrackingLog], shown: str, count: int) -> Figure:
     return figure
 
 
-def snapshots(axes: Axes, log: TrackingLog, count: int) -> None:
+def snapshots(axes: Axes, log: RunLog, count: int) -> None:
     """Draw a planar arm at `count` instants, later ones darker, with the target's path and its own."""
     arm = log.scenario.load_arm()
-    q = np.concatenate([log.scenario.start()[None], log.q])
+    q = log.q
     # The last cycle in which the target moves; the hold would draw the same arm again.
     moving = np.flatnonzero(np.linalg.norm(log.desired - log.desired[-1], axis=1) > 0)
     last = int(moving[-1]) + 2 if len(moving) else len(q) - 1

@@ -1,7 +1,5 @@
 """Paper 3, section 3: a line and a circle of the 3-joint arm, beside resolved-rate control."""
 
-import dataclasses
-
 import numpy as np
 
 from fikm_drake.experiments.reproduce.conventions import both, errors_before
@@ -17,9 +15,9 @@ from fikm_drake.experiments.reproduce.frmrc.laws import (
 )
 from fikm_drake.experiments.reproduce.frmrc.pictures import comparison
 from fikm_drake.experiments.reproduce.report import Cell, Section, Value
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 from fikm_drake.simulation.simulate import simulate
-from fikm_drake.simulation.tracking_log import TrackingLog
-from fikm_drake.simulation.tracking_scenario import TrackingScenario, load_scenario
 
 RATES = (50.0, 100.0, 1000.0)
 ORDER = 10.0
@@ -41,14 +39,13 @@ def figure_7() -> Section:
 def cycles() -> Section:
     """Twelve cycles of the circle: does the error grow, as section 3 denies?"""
     three = load_scenario("frmrc_circle")
-    twelve = dataclasses.replace(
-        three,
-        waypoints=three.waypoints + 3 * three.waypoints[1:],
-        duration=4 * three.duration,
-        hold=HOLD / three.control_rate,
+    twelve = three.but(
+        target__positions=np.concatenate([three.corners, *[three.corners[1:]] * 3]).tolist(),
+        target__duration=4 * three.target.duration,
+        target__hold=HOLD / three.control_rate,
     )
     runs = _runs(twelve)
-    N = round(three.duration * three.control_rate)
+    N = round(three.target.duration * three.control_rate)
     lengths = {name: _lengths(log)[: 4 * N].reshape(4, N) for name, log in runs.items()}
     cells = []
     for name, length in lengths.items():
@@ -72,7 +69,7 @@ def _figure(key: str, title: str, path: str, snapshots: int) -> Section:
     cells, pictures = [], {}
     for rate in RATES:
         scenario = load_scenario(f"frmrc_{path}")
-        logs = _runs(dataclasses.replace(scenario, control_rate=rate, hold=HOLD / rate))
+        logs = _runs(scenario.but(control_rate=rate, target__hold=HOLD / rate))
         largest = {name: [1000 * e.e_max for e in both(log)] for name, log in logs.items()}
         for name, (after, before) in largest.items():
             cells.append(Cell(f"{rate:g} Hz, {name}: max error [mm]", None, after, before=before))
@@ -81,7 +78,7 @@ def _figure(key: str, title: str, path: str, snapshots: int) -> Section:
                 ratios = [e / least for e, least in zip(pair, largest[RMRC])]
                 cells.append(_ratio_cell(f"{rate:g} Hz, {name}", name, path, ratios))
         for name, log in logs.items():
-            rest = 1000 * float(np.linalg.norm(log.error[-1]))
+            rest = 1000 * float(np.linalg.norm(log.cycles.error[-1]))
             claim = None if name == PAPER else rest < SETTLED
             cells.append(Cell(f"{rate:g} Hz, {name}: error at the end [mm]", "0", rest, claim))
         if rate == RATES[0]:
@@ -119,10 +116,10 @@ def _ratio_cell(label: str, name: str, path: str, ratios: list[float]) -> Cell:
     )
 
 
-def _runs(scenario: TrackingScenario) -> dict[str, TrackingLog]:
+def _runs(scenario: Scenario) -> dict[str, RunLog]:
     found = laws(scenario.load_arm(), scenario.controller_config().task)
     return {name: simulate(scenario, law=law) for name, law in found.items()}
 
 
-def _lengths(log: TrackingLog) -> np.ndarray:
+def _lengths(log: RunLog) -> np.ndarray:
     return np.linalg.norm(errors_before(log), axis=1)

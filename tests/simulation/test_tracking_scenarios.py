@@ -1,10 +1,18 @@
-"""Scenarios: what is valid, how the target moves, YAML."""
+"""Scenarios along polylines: what is valid, how the target moves, files of the first version."""
 
 import numpy as np
 import pytest
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 
-from fikm_drake import DhArm, FuzzyIkConfig, FuzzyMapping, TrackingScenario, load_arm, load_scenario
+from fikm_drake import (
+    DhArm,
+    FuzzyIkConfig,
+    FuzzyMapping,
+    Scenario,
+    TrackingScenario,
+    load_arm,
+    load_scenario,
+)
 from fikm_drake.resources import model_names
 
 LINE = [[0.2, -0.6, 0.6], [0.7, -0.35, -0.15]]
@@ -22,7 +30,7 @@ def scenario(**changes):
 
 
 def round_trip(value):
-    return yaml_load_typed(schema=TrackingScenario, data=yaml_dump_typed(value))
+    return yaml_load_typed(schema=Scenario, data=yaml_dump_typed(value))
 
 
 @pytest.mark.parametrize("name", model_names("scenarios"))
@@ -36,8 +44,8 @@ def test_our_scenarios_load_and_round_trip(name):
 def test_table_6_scenarios_are_the_papers_line():
     for name, duration in (("table6_10s", 10), ("table6_5s", 5), ("table6_2s", 2)):
         loaded = load_scenario(name)
-        assert (loaded.arm, loaded.duration, loaded.control_rate) == ("arm7", duration, 50)
-        assert loaded.waypoints == LINE
+        assert (loaded.robot, loaded.target.duration, loaded.control_rate) == ("arm7", duration, 50)
+        assert loaded.target.positions == LINE
         assert loaded.num_cycles == 50 * duration + 20
 
 
@@ -90,12 +98,12 @@ def test_size_of_waypoints_chooses_the_task_and_the_rate_goes_to_the_config(poin
 @pytest.mark.parametrize(
     "changes, words",
     [
-        ({"waypoints": []}, ["waypoints"]),
-        ({"waypoints": [0.1, 0.2]}, ["waypoints", "(2,)"]),
-        ({"waypoints": [[0.1], [0.2]]}, ["waypoints", "(2, 1)"]),
-        ({"waypoints": [[0.1] * 4]}, ["waypoints", "(1, 4)"]),
-        ({"waypoints": [[0.1, np.nan]]}, ["waypoints", "nan"]),
-        ({"waypoints": [[0.1, np.inf, 0.0]]}, ["waypoints", "inf"]),
+        ({"waypoints": []}, ["positions or poses"]),
+        ({"waypoints": [0.1, 0.2]}, ["positions", "(2,)"]),
+        ({"waypoints": [[0.1], [0.2]]}, ["positions", "(2, 1)"]),
+        ({"waypoints": [[0.1] * 4]}, ["positions", "(1, 4)"]),
+        ({"waypoints": [[0.1, np.nan]]}, ["positions", "nan"]),
+        ({"waypoints": [[0.1, np.inf, 0.0]]}, ["positions", "inf"]),
         ({"waypoints": [[0.1, 0.2], [0.1, 0.2, 0.3]]}, ["waypoints"]),
         ({"waypoints": [["here", "there"]]}, ["waypoints", "here"]),
         ({"initial_position": [[0.0] * 7]}, ["7 finite numbers"]),
@@ -134,7 +142,7 @@ def test_unknown_arm_lists_ours():
         ("", []),
         ("- 1\n", []),
         ("arm: [\n", []),
-        ("{}\n", ["waypoints"]),
+        ("{}\n", ["robot"]),
         (GOOD + "speed: 3\n", ["speed"]),
         (GOOD + "profile: quintic\n", ["quintic", "cubic"]),
         (GOOD.replace("2.0", "-2.0"), ["duration", "-2.0"]),
@@ -161,11 +169,10 @@ def test_unknown_scenario_lists_ours():
 
 
 def sampled(made, count=401):
-    """Times, targets and path lengths of a scenario."""
-    trajectory = made.trajectory()
-    times = np.linspace(0, made.duration, count)
-    points = np.array([trajectory.value(t)[:, 0] for t in times])
-    return times, points, trajectory
+    """Times, targets and the target over time."""
+    motion = made.target_motion()
+    times = np.linspace(0, made.target.duration, count)
+    return times, np.array([motion.position(t) for t in times]), motion
 
 
 def travelled(points):
@@ -175,22 +182,22 @@ def travelled(points):
 
 def test_constant_profile_has_constant_speed_along_all_edges():
     made = TrackingScenario("planar2", CORNER, duration=2.0)
-    times, points, trajectory = sampled(made)
+    times, points, motion = sampled(made)
     np.testing.assert_allclose(travelled(points), 0.2 * times, atol=1e-12)
     np.testing.assert_allclose(points[300], [1.3, 0.0], atol=1e-12)  # after 0.3 of 0.4 m
     np.testing.assert_allclose(points[[0, -1]], [CORNER[0], CORNER[-1]], atol=1e-14)
-    np.testing.assert_allclose(trajectory.value(2.5)[:, 0], CORNER[-1], atol=1e-14)
+    np.testing.assert_allclose(motion.position(2.5), CORNER[-1], atol=1e-14)
 
 
 def test_cubic_profile_starts_and_ends_at_rest():
     made = TrackingScenario("planar2", CORNER, duration=2.0, profile="cubic")
-    times, points, trajectory = sampled(made)
+    times, points, motion = sampled(made)
     s = times / 2.0
     np.testing.assert_allclose(travelled(points), 0.4 * (3 * s**2 - 2 * s**3), atol=1e-3)
     speed = np.gradient(travelled(points), times)
     assert speed[0] < 2e-3 and speed[-1] < 2e-3
     np.testing.assert_allclose(speed.max(), 1.5 * 0.4 / 2.0, rtol=1e-2)
-    np.testing.assert_allclose(trajectory.value(2.5)[:, 0], CORNER[-1], atol=1e-14)
+    np.testing.assert_allclose(motion.position(2.5), CORNER[-1], atol=1e-14)
 
 
 @pytest.mark.parametrize("profile", ["constant", "cubic"])
@@ -198,12 +205,12 @@ def test_cubic_profile_starts_and_ends_at_rest():
 def test_one_waypoint_or_no_duration_is_a_step(points, duration, profile):
     made = TrackingScenario("planar2", points, duration, hold=0.5, profile=profile)
     for t in (0.0, 0.1, 1.0, 9.0):
-        np.testing.assert_array_equal(made.trajectory().value(t)[:, 0], points[-1])
+        np.testing.assert_array_equal(made.target_motion().position(t), points[-1])
 
 
 def test_repeated_single_waypoint_is_a_step():
     made = TrackingScenario("planar2", [[0.3, 1.0], [0.3, 1.0]], 1.0)
-    np.testing.assert_array_equal(made.trajectory().value(0.5)[:, 0], [0.3, 1.0])
+    np.testing.assert_array_equal(made.target_motion().position(0.5), [0.3, 1.0])
 
 
 def test_start_is_the_default_position_or_the_given_one():

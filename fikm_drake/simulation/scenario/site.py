@@ -1,0 +1,92 @@
+"""Where a scenario puts its controller, and what the controller hands back."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, DiagramBuilder, InputPort, OutputPort, System
+
+from fikm_drake.arrays import Array
+from fikm_drake.kinematics.serial_chain import SerialChain
+from fikm_drake.simulation.scenario.environment import TorqueDriven
+from fikm_drake.simulation.scenario.robots import Robot
+
+TASKS = {2: "xy", 3: "position", 7: "pose"}
+"""The task of a controller by the size of the target."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where a controller is put."""
+
+    builder: DiagramBuilder
+    robot: Robot
+    plant: MultibodyPlant
+    chain: SerialChain
+    size: int
+    """Of the target: 2, 3 or 7."""
+    rate: float
+    start: Array
+    """Joint positions at the start (n,) [rad or m]."""
+    torque: TorqueDriven | None
+    """How torques move the plant, where they do."""
+
+
+@dataclass(frozen=True)
+class Wired:
+    """A controller in its place."""
+
+    system: System
+    desired: InputPort
+    command: OutputPort
+    velocity: OutputPort | None
+    logged: dict[str, OutputPort]
+    statuses: type[IntEnum] | None
+    size: int
+    """Of the target that it takes."""
+    measured: InputPort | None = None
+    """For the measured joints; None: it takes none, or has them already."""
+
+    def set_start(self, root: Context, position: Array) -> None:
+        """Set the command (n,) at the start."""
+        if hasattr(self.system, "SetPositions"):  # else it was told when it was made
+            self.system.SetPositions(self.system.GetMyMutableContextFromRoot(root), position)
+
+
+def position_block(
+    site: Site,
+    system: System,
+    desired: str,
+    command: str,
+    more: tuple[str, ...],
+    statuses: type[IntEnum],
+) -> Wired:
+    """A block that gives positions and a status, and no velocity."""
+    site.builder.AddNamedSystem("controller", system)
+    return Wired(
+        system,
+        system.GetInputPort(desired),
+        system.GetOutputPort(command),
+        None,
+        {name: system.GetOutputPort(name) for name in (*more, "status")},
+        statuses,
+        site.size,
+    )
+
+
+def no_law(controller: object, law: Callable | None) -> None:
+    """ValueError if a law is given to a controller that has none."""
+    if law is not None:
+        raise ValueError(f"a law is not used by {type(controller).__name__}; take Fuzzy or Frmrc")
+
+
+def only(controller: object, site: Site, size: int) -> None:
+    """ValueError unless the target has this size and the plant takes positions."""
+    name = type(controller).__name__
+    if site.size != size:
+        raise ValueError(f"{name} takes targets of {TASKS[size]}, got {TASKS[site.size]}")
+    if site.torque is not None:
+        raise ValueError(
+            f"{name} commands positions: take the plant kinematic, servos or sim_iiwa, not torque_driven"
+        )
