@@ -204,12 +204,23 @@ def test_python_m_runs_the_command():
 
 
 def test_benchmark_batch_prints_success_and_time(capsys, monkeypatch):
-    small = functools.partial(batch_benchmark.batch_benchmark, targets=20)
+    small = functools.partial(batch_benchmark.batch_benchmark, poses=10, arms=["iiwa14"])
     monkeypatch.setattr(batch_benchmark, "batch_benchmark", small)
     assert main(["benchmark", "batch", "--rounds", "1"]) == 0
     printed = capsys.readouterr().out
-    assert printed.count("fikm_drake solve_batch") == 4
-    assert "100.00 %" in printed and "inside limits" in printed
+    assert printed.count("Solver, numpy") == 8
+    assert "100.000 %" in printed and "inside limits" in printed
+
+
+def test_all_benchmarks_as_markdown(capsys):
+    chosen = ["--only", "cycle", "step", "--count", "1"]
+    assert main(["benchmark", "all", "--markdown", *chosen]) == 0
+    printed = capsys.readouterr().out
+    assert printed.startswith("Python 3.") and "numpy" in printed.splitlines()[0]
+    assert "`fikm-drake benchmark cycle --rounds 1`" in printed
+    assert "| rows | whole | name | microseconds | ratio |" in printed
+    assert "| name | microseconds | to usual | to least |" in printed
+    assert printed.count("| pseudo-inverse |") == 4
 
 
 def test_benchmark_poses_prints_each_law(capsys):

@@ -66,6 +66,7 @@ class Solver:
         restarts: how many random postures a target is tried from.
         max_cycles: of each start; twice as many for the last search for the nearest posture.
         seed: of the random postures; it shares no stream with `numpy.random.default_rng(seed)`.
+        native: False leaves the native kernel out, where there is one.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -81,11 +82,12 @@ class Solver:
         restarts: int = 250,
         max_cycles: int = 60,
         seed: int = 0,
+        native: bool = True,
     ) -> None:
         self.chain = as_chain(arm)
         pair = checked_tolerance(tolerance)
         self._problem = Problem(self.chain, task, pair, limits, restarts, max_cycles, seed)
-        self._search = make_search(self._problem)
+        self._search = make_search(self._problem, native)
         self._shape = SHAPES[task]
 
     @property

@@ -2,16 +2,21 @@
 
 import pytest
 
-from fikm_drake.experiments.benchmarks.batch_benchmark import OURS, batch_benchmark
+from fikm_drake.experiments.benchmarks.batch_benchmark import NEAREST, NUMPY, batch_benchmark
 
 
 def test_rows_of_the_benchmark():
     fractions = []
-    costs = batch_benchmark(arms=["iiwa14"], targets=30, rounds=2, progress=fractions.append)
-    ours = [cost for cost in costs if cost.solver == OURS]
-    assert [(cost.arm, cost.limits) for cost in ours] == [("iiwa14", False), ("iiwa14", True)]
-    assert all(cost.success == 100.0 and cost.cycles > 0 for cost in ours)
-    assert all(cost.microseconds > 0 for cost in costs)
+    costs = batch_benchmark(arms=["iiwa14"], poses=10, rounds=2, progress=fractions.append)
+    ours = [cost for cost in costs if cost.solver in (NUMPY, NUMPY + NEAREST)]
+    assert [(cost.limits, cost.solver, cost.poses) for cost in ours] == [
+        (limits, solver, poses)
+        for limits in (True, False)
+        for solver in (NUMPY, NUMPY + NEAREST)
+        for poses in (10, 1)
+    ]
+    assert all(cost.success == 100.0 for cost in ours)
+    assert all(0.0 < cost.microseconds <= cost.slowest for cost in costs)
     assert fractions == [0.5, 1.0]
 
 

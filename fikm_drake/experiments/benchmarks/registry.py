@@ -52,7 +52,10 @@ BENCHMARKS = {
         "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table
     ),
     "batch": Benchmark(
-        "poses in batch, beside roboticstoolbox where installed", "rounds", 5, batch_benchmark.table
+        "one pose and many, beside roboticstoolbox where installed",
+        "rounds",
+        3,
+        batch_benchmark.table,
     ),
     "calm": Benchmark(
         "what the calm costs where a target can be followed, and what it is for",

@@ -142,9 +142,9 @@ class NativeSearch:
         return self._problem.inside(q), figures
 
 
-def make_search(problem: Problem) -> NumpySearch | NativeSearch:
-    """The fastest search that there is."""
-    loaded = kernel()
+def make_search(problem: Problem, native: bool = True) -> NumpySearch | NativeSearch:
+    """The fastest search that there is, or that of numpy."""
+    loaded = kernel() if native else None
     if loaded is None or problem.chain.num_joints > MOST_JOINTS:
         return NumpySearch(problem)
     return NativeSearch(problem, loaded)
