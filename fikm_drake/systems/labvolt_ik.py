@@ -18,8 +18,7 @@ from fikm_drake.solvers.labvolt.follow_target import follow_target
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import MODEL
 from fikm_drake.solvers.labvolt.program import make_solver
-from fikm_drake.solvers.labvolt.solution import LabVoltStatus
-from fikm_drake.solvers.labvolt.solve import TOLERANCE, check_tolerance
+from fikm_drake.solvers.labvolt.solve import REACHED, TOLERANCE, check_tolerance
 
 
 class LabVoltIk(LeafSystem):
@@ -30,16 +29,20 @@ class LabVoltIk(LeafSystem):
         name: LabVoltIk
         input_ports:
         - desired_position
+        - approach
         output_ports:
         - commanded_position
         - angles
         - status
 
     - **desired_position** (3) [m]: of the tool, in the base frame.
+    - **approach** (1) [rad]: with `approach=True` only: angle of the hand from the horizontal, −π/2 to
+      pick from above. Where a target cannot be reached at it the nearest angle is taken.
     - **commanded_position** (4) [rad]: joints of `models/labvolt5250.urdf`, which put the tool on the target.
     - **angles** (4) [rad]: the same as the LabVolt counts them: yaw, then θ_1, θ_2, θ_3 from the horizontal.
     - **status** (1): a `LabVoltStatus`. SOLVED: reached; FELL_BACK: reached, but the last
-      solution was no good start, so others were tried and the arm may jump. Else (UNREACHABLE,
+      solution was no good start, so others were tried and the arm may jump. TURNED: reached at
+      another approach angle. Else (UNREACHABLE,
       INVALID_INPUT: NaN or infinite) it stays as it was at the last tick that reached its target.
 
     The last solution is the state, stored each period; SQP starts from it, from the fuzzy rules at first
@@ -52,6 +55,7 @@ class LabVoltIk(LeafSystem):
         tolerance: within this a target is reached [m].
         solver: of the SQP: `slsqp` of NLopt, or `snopt`.
         fuzzy: the rules; None: ours.
+        approach: whether there is a port for the approach angle; the solution is then in closed form.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -66,6 +70,7 @@ class LabVoltIk(LeafSystem):
         tolerance: float = TOLERANCE,
         solver: str = "slsqp",
         fuzzy: FuzzyStarts | None = None,
+        approach: bool = False,
     ) -> None:
         super().__init__()
         arm = load_arm(MODEL)
@@ -78,8 +83,14 @@ class LabVoltIk(LeafSystem):
         self._solver, self._fuzzy = solver, fuzzy
         target = self.DeclareVectorInputPort("desired_position", 3)
         self._target = target.Eval
+        needs = {target.ticket()}
+        self._approach = None
+        if approach:
+            port = self.DeclareVectorInputPort("approach", 1)
+            self._approach = port.Eval
+            needs.add(port.ticket())
         state = self.DeclareDiscreteState([*start, 0.0])  # the last element: there is a solution
-        needs = {target.ticket(), self.discrete_state_ticket(state)}
+        needs.add(self.discrete_state_ticket(state))
         self._solution = self.DeclareCacheEntry(
             "solution", ValueProducer(lambda: Value(BasicVector(5)), self._solve), needs
         )
@@ -112,6 +123,7 @@ class LabVoltIk(LeafSystem):
             tolerance=self._tolerance,
             solver=self._solver,
             fuzzy=self._fuzzy,
+            approach=None if self._approach is None else float(self._approach(context)[0]),
         )
         value.get_mutable_value().set_value([*position, float(status)])
 
@@ -130,6 +142,6 @@ class LabVoltIk(LeafSystem):
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         found = self._found(context)
-        reached = found[4] in (LabVoltStatus.SOLVED, LabVoltStatus.FELL_BACK)
+        reached = found[4] in REACHED
         if reached:
             discrete_state.set_value(0, [*found[:4], 1.0])

@@ -199,3 +199,24 @@ def test_a_constant_target_holds_still():
 def test_bad_options(options, message):
     with pytest.raises(ValueError, match=message):
         fd.LabVoltIk(**{"period": 0.01, **options})
+
+
+def test_approach_port_keeps_the_hand_down_and_near_the_last_posture(drive, ports, arm):
+    block = fd.LabVoltIk(period=0.02, approach=True)
+    assert ports(block)[0] == {"desired_position": 3, "approach": 1}
+    block, q = drive(block), []
+    for x in np.linspace(0.35, 0.45, 20):
+        out = block.cycle(desired_position=[x, 0.1, 0.1], approach=[-np.pi / 2])
+        assert out["status"] == LabVoltStatus.SOLVED
+        assert out["angles"][3] == pytest.approx(-np.pi / 2, abs=1e-12)
+        tool = arm.forward_kinematics(out["commanded_position"])[:3, 3]
+        np.testing.assert_allclose(tool, [x, 0.1, 0.1], rtol=0, atol=1e-12)
+        q.append(out["commanded_position"])
+    assert np.abs(np.diff(q, axis=0)).max() < 0.05
+    turned = block.cycle(desired_position=[0.7, 0.1, 0.4], approach=[-np.pi / 2])
+    assert turned["status"] == LabVoltStatus.TURNED
+    tool = arm.forward_kinematics(turned["commanded_position"])[:3, 3]
+    np.testing.assert_allclose(tool, [0.7, 0.1, 0.4], rtol=0, atol=1e-9)
+    held = block.cycle(desired_position=[0.7, 0.1, 0.4], approach=[np.nan])
+    assert held["status"] == LabVoltStatus.INVALID_INPUT
+    np.testing.assert_array_equal(held["commanded_position"], turned["commanded_position"])

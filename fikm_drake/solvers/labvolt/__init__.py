@@ -11,6 +11,7 @@ horizontal; limits are of the relative angles θ_1, θ_2 − θ_1, θ_3 − θ_2
 a target; what users give and get is absolute, one row a target.
 """
 
+from fikm_drake.solvers.labvolt.cell import gripper_urdf, save_servo_counts
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, initial_guess
 from fikm_drake.solvers.labvolt.geometry import (
     forward_kinematics,
@@ -31,8 +32,10 @@ __all__ = [
     "LabVoltStatus",
     "forward_kinematics",
     "from_servo_counts",
+    "gripper_urdf",
     "initial_guess",
     "random_targets",
+    "save_servo_counts",
     "solve",
     "to_absolute",
     "to_relative",

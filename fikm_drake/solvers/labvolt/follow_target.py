@@ -23,6 +23,7 @@ def follow_target(
     tolerance: float = TOLERANCE,
     solver: str = "slsqp",
     fuzzy: FuzzyStarts | None = None,
+    approach: float | None = None,
 ) -> tuple[Array, LabVoltStatus]:
     """Joint positions for a target, near those for the last one.
 
@@ -36,17 +37,26 @@ def follow_target(
         tolerance: within this a target is reached [m].
         solver: of the SQP: `slsqp`, or `snopt`.
         fuzzy: the rules; None: ours.
+        approach: angle of the hand from the horizontal [rad]: in closed form then, the nearest angle
+            where it cannot be; None: any.
 
     Returns:
         Joint positions (4,) [rad]; `last` unless the target is reached. The status.
     """
     x, y, z = target.tolist()
-    if not isfinite(x + y + z):
+    if not isfinite(x + y + z) or not isfinite(approach or 0.0):
         return last, LabVoltStatus.INVALID_INPUT
     geometry, radius = labvolt(), hypot(x, y)
     point = np.array([radius - geometry.offset, z - geometry.height])
     if hypot(*point.tolist()) > geometry.reach + tolerance:
         return last, LabVoltStatus.UNREACHABLE
+    if approach is not None:
+        near = np.cumsum(last[1:]) if warm else None
+        solution = solve(point, tolerance=tolerance, posture=near, approach=approach)
+        status = LabVoltStatus(int(solution.status[0]))
+        return (
+            _turned(last, target, solution.joints[0, 1:]) if solution.success[0] else last
+        ), status
     starts = fuzzy or default_starts()
     start = last[1:] if warm else starts.posture(point[:, None])[:, 0]
     relative = program(solver).reach(point, start)
@@ -63,7 +73,13 @@ def follow_target(
         if not solution.success[0]:
             return last, LabVoltStatus(int(solution.status[0]))
         relative, status = solution.joints[0, 1:], LabVoltStatus.FELL_BACK
+    return _turned(last, target, relative), status
+
+
+def _turned(last: Array, target: Array, relative: Array) -> Array:
+    """Joint positions (4,): the base faces the target, by the nearest of the equal angles to the last."""
+    x, y, _ = target.tolist()
     yaw = float(last[0])
-    if radius > AXIS:  # the nearest of the equal angles: the base has no limits
+    if hypot(x, y) > AXIS:  # the base has no limits
         yaw += (atan2(y, x) - yaw + pi) % (2.0 * pi) - pi
-    return np.array([yaw, *relative]), status
+    return np.array([yaw, *relative])

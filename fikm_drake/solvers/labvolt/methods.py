@@ -101,7 +101,7 @@ class Ways:
 
     def exact(self, goals: Goals) -> Found:
         """The middle of the widest feasible arc, in closed form."""
-        return goals.exact, np.zeros(len(goals), dtype=int)
+        return goals.exact.copy(), np.zeros(len(goals), dtype=int)
 
     def search(self, goals: Goals) -> Found:
         """Algorithm 1 from θ_3 = −90°."""
@@ -136,11 +136,15 @@ class Ways:
         q = np.empty(starts.shape)
         for lane, (point, start) in enumerate(zip(goals.points.T, starts.T)):
             q[:, lane] = self.program.reach(point, start)
+        return q, np.ones(len(goals), dtype=int)
+
+    def settled(self, goals: Goals, q: Array, tries: NDArray[np.int_]) -> Found:
+        """What a way found, moved along the postures that reach the target to the nearest to a wish."""
         if goals.wishes is not None:
-            reached = self.geometry.error(q, goals.points) <= self.tolerance
+            reached = self.geometry.error(q, goals.points) <= self.tolerance  # NaN is not
             for i in np.flatnonzero(reached):
                 q[:, i] = self._settled(goals.points[:, i], q[:, i], goals.wishes[:, i])
-        return q, np.ones(len(goals), dtype=int)
+        return q, tries
 
     def _settled(self, point: Array, q: Array, wish: Array) -> Array:
         """The nearest to a wish of what SQP finds from `q` and from the wish itself."""
@@ -165,8 +169,6 @@ METHODS: dict[str, tuple[Way, ...]] = {
     "cascade": (Ways.fuzzy_sqp, Ways.sqp, Ways.exact_sqp),
 }
 """Ways of each method: a way is tried on the targets that those before it did not reach."""
-SQP_METHODS = ("sqp", "hybrid_sqp", "ha_after_hs", "hs_after_ha", "cascade")
-"""Methods that take a posture."""
 
 
 class _Programs(threading.local):

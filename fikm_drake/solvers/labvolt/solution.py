@@ -24,6 +24,8 @@ class LabVoltStatus(IntEnum):
     UNREACHABLE = 4
     """Proven to be out of reach by more than the tolerance: the angles are those of the nearest reachable
     point."""
+    TURNED = 5
+    """Reached, but not at the approach angle that was asked for: at the nearest one."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,10 @@ class LabVoltSolution:
     targets. The target itself where it can be reached."""
     distance: Array
     """(N,): of the target from `nearest` [m]: 0 where it can be reached, NaN for invalid targets."""
+
+    approach_error: Array
+    """(N,): θ_3 less the approach angle that was asked for, in [−π, π] [rad]; 0 where none was, NaN where
+    the target cannot be reached."""
 
     def __len__(self) -> int:
         return len(self.angles)

@@ -7,11 +7,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
+from fikm_drake.kinematics.angles import wrap
 from fikm_drake.kinematics.planar_border import nearest_on_border
+from fikm_drake.solvers.labvolt.approach import at_approach
 from fikm_drake.solvers.labvolt.feasible_postures import widest_arc
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt, to_absolute, to_relative
-from fikm_drake.solvers.labvolt.methods import METHODS, SQP_METHODS, Goals, Ways, program
+from fikm_drake.solvers.labvolt.methods import METHODS, Goals, Ways, program
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.targets import plane_targets
 
@@ -20,6 +22,8 @@ TOLERANCE = 1e-9
 CHUNK = 4096
 """Targets whose closed form is computed together."""
 MIDDLE = "middle"
+REACHED = (LabVoltStatus.SOLVED, LabVoltStatus.FELL_BACK, LabVoltStatus.TURNED)
+"""Statuses of success."""
 
 
 def solve(
@@ -29,6 +33,7 @@ def solve(
     tolerance: float = TOLERANCE,
     solver: str = "slsqp",
     posture: str | ArrayLike | None = None,
+    approach: ArrayLike | None = None,
     fuzzy: FuzzyStarts | None = None,
 ) -> LabVoltSolution:
     """Angles of the LabVolt 5250 that put its tool on targets.
@@ -54,9 +59,13 @@ def solve(
         method: one of these.
         tolerance: within this a target is reached [m].
         solver: of the SQP: `slsqp` of NLopt, or `snopt`.
-        posture: among the postures that reach a target the SQP takes the nearest to this, in relative
-            angles: `middle` of the limits, or absolute angles (3,) or (N,3) [rad], such as the last
-            ones. None: whichever is found.
+        posture: among the postures that reach a target the nearest to this, in relative angles:
+            `middle` of the limits, or absolute angles (3,) or (N,3) [rad], such as the last ones. From
+            what a method finds, SQP slides there. None: whichever is found. With `approach` it chooses
+            between the two postures that there are.
+        approach: angle of the hand from the horizontal, θ_3, one or (N,) [rad]: −π/2 picks from above.
+            Method `exact` only. Where a target is not reached at it, the nearest angle at which it
+            is, see `approach_error`. None: any.
         fuzzy: the rules; None: ours.
 
     Returns:
@@ -71,7 +80,9 @@ def solve(
     check_tolerance(tolerance)
     geometry = labvolt()
     given = plane_targets(geometry, targets)
-    wishes = _wishes(geometry, posture, len(given.given), method)
+    wishes = _wishes(geometry, posture, len(given.given))
+    angles = _approach(approach, len(given.given), method)
+    off = np.zeros(len(given.valid))
     ways = Ways(geometry, fuzzy or default_starts(), program(solver), tolerance)
 
     count = len(given.valid)
@@ -96,7 +107,15 @@ def solve(
         if not left.size:
             break
         some = goals if len(left) == count else goals.take(left)
-        found, runs = way(ways, some)
+        if angles is None:
+            found, runs = ways.settled(some, *way(ways, some))
+        else:
+            wished = some.exact if some.wishes is None else some.wishes
+            found, off[left] = at_approach(geometry, some.points, angles[left], wished)
+            found, runs = (
+                np.where(np.isnan(found), some.exact, found),
+                np.zeros(len(left), dtype=int),
+            )
         tries[left] += runs
         lost = np.isnan(found[0])
         if lost.any():
@@ -104,7 +123,11 @@ def solve(
         q[:, left], error[left] = found, geometry.error(found, some.points)
         done = left[error[left] <= tolerance]
         status[done] = LabVoltStatus.FELL_BACK if k else LabVoltStatus.SOLVED
-    success = (status == LabVoltStatus.SOLVED) | (status == LabVoltStatus.FELL_BACK)
+    if angles is not None:
+        off[~np.isin(status, REACHED)] = np.nan
+        off = np.where(np.isnan(off) & np.isin(status, REACHED), wrap(q.sum(axis=0) - angles), off)
+        status[np.isin(status, REACHED) & (off != 0.0)] = LabVoltStatus.TURNED
+    success = np.isin(status, REACHED)
     return LabVoltSolution(
         to_absolute(q.T),
         given.yaw,
@@ -114,6 +137,7 @@ def solve(
         tries,
         given.to_space(geometry, near),
         distance,
+        off,
     )
 
 
@@ -128,14 +152,22 @@ def _chunks(lanes: NDArray[np.intp]) -> Iterator[NDArray[np.intp]]:
         yield lanes[start : start + CHUNK]
 
 
-def _wishes(
-    geometry: Geometry, posture: str | ArrayLike | None, count: int, method: str
-) -> Array | None:
+def _approach(approach: ArrayLike | None, count: int, method: str) -> Array | None:
+    """Approach angles (N,)."""
+    if approach is None:
+        return None
+    if method != "exact":
+        raise ValueError(f"approach needs the method 'exact', got {method!r}")
+    angles = np.asarray(approach, dtype=float)
+    if angles.shape not in ((), (count,)) or not np.isfinite(angles).all():
+        raise ValueError(f"approach must be one finite angle or ({count},), got {approach!r}")
+    return np.broadcast_to(angles, (count,))
+
+
+def _wishes(geometry: Geometry, posture: str | ArrayLike | None, count: int) -> Array | None:
     """Relative angles (3,N) that are wished for."""
     if posture is None:
         return None
-    if method not in SQP_METHODS:
-        raise ValueError(f"posture needs one of the methods {SQP_METHODS}, got {method!r}")
     if isinstance(posture, str):
         if posture != MIDDLE:
             raise ValueError(f"posture must be {MIDDLE!r} or angles, got {posture!r}")
