@@ -17,6 +17,7 @@ from fikm_drake.control.cycle import ControlCycle, CycleState, Rollout, Tick, ro
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import RestartState
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
@@ -120,6 +121,7 @@ from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
 from fikm_drake.systems.gain_supervisor import GainSupervisor
+from fikm_drake.systems.guard_block import GuardBlock
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus, IntegerFuzzyIkSystem
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.joint_reference import JointReference
@@ -187,6 +189,7 @@ __all__ = [
     "GainSupervisor",
     "GainSupervisorConfig",
     "Gaussian",
+    "GuardBlock",
     "Inference",
     "IntegerFuzzyIk",
     "IntegerFuzzyIkStatus",
@@ -194,6 +197,7 @@ __all__ = [
     "IntervalTable",
     "JacobianTranspose",
     "JointIntegrator",
+    "JointLimits",
     "JointPath",
     "JointReference",
     "LAWS",

@@ -6,5 +6,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 """Numbers: lengths in metres, angles in radians, whatever the docstring says."""
 
+LARGEST = 1e100
+"""A vector that is longer counts as not finite: what is computed from it could overflow."""
+
 Bools = NDArray[np.bool_]
 """A mask, such as which of N targets were reached."""

@@ -11,6 +11,7 @@ from fikm_drake.cli.calibrate import add_calibrate
 from fikm_drake.cli.completion import add_completion
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.follow import add_follow
+from fikm_drake.cli.fuzz import add_fuzz
 from fikm_drake.cli.models import add_models
 from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.rules import add_rules
@@ -54,6 +55,7 @@ def _parser() -> argparse.ArgumentParser:
         add_rules,
         add_reproduce,
         add_benchmark,
+        add_fuzz,
         add_export_c,
         add_calibrate,
         add_train,

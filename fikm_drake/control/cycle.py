@@ -7,8 +7,11 @@ In tick k the joints are at q, their command is θ, and
     K' = ⅓ K + ⅔ K'                          equation 30
     d = ⅓ K' e + ⅔ d                         equation 31, e first shortened to the error limit
     dθ = law(J(q), d)                        near joint limits with weights; at a dead point a nudge;
+                                             what a joint at its bound may not do the others do;
                                              on the way to another posture that way instead
-    θ = θ + dθ                               as far as the limits of position, speed, acceleration allow
+    dθ = guard(dθ)                           the last word: finite, not too long, inside the limits of
+                                             position, speed and acceleration; nothing is added after it
+    θ = θ + dθ
 
 ⅔ stands for the two smoothings. The fused block and `rollout` run `ControlCycle`; the Diagram's blocks
 call its parts one by one.
@@ -23,6 +26,7 @@ import numpy as np
 from fikm_drake.arrays import Array
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
+from fikm_drake.control.guard import Guard
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import RestartState, make_restart_search
 from fikm_drake.control.safe_step import make_safe_step
@@ -33,6 +37,7 @@ from fikm_drake.control.status import (
     follows,
 )
 from fikm_drake.control.steps import amplify, length, low_pass
+from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws import Law, LawLike, checked_law
 from fikm_drake.laws.fuzzy_mapping import fit_to_range
@@ -72,7 +77,11 @@ class Tick(NamedTuple):
     filtered_error: Array
     """d (m,) [m]."""
     joint_step: Array
-    """dθ (n,) [rad or m], before the joint limits."""
+    """dθ (n,) [rad or m], what the guard lets through."""
+    asked: Array
+    """What the guard was asked for (n,) [rad or m]."""
+    limited: bool
+    """A limit of the joints took a part of dθ away, before the guard."""
 
 
 class ControlCycle:
@@ -122,19 +131,17 @@ class ControlCycle:
             nominal_position=config.nominal_position,
             singularity_nudge=config.singularity_nudge,
         )
+        self.limits, self.guard = make_limits(config, arm), Guard(config.max_joint_step)
         self.restart = None
         if config.restart_search:
             self.restart = make_restart_search(
-                task, tolerance=config.tolerance, pace=config.restart_speed * config.period
+                task,
+                tolerance=config.tolerance,
+                pace=config.restart_speed * config.period,
+                limits=self.limits,
             )
-        self.limits = JointLimits(
-            arm.lower,
-            arm.upper,
-            period=config.period,
-            velocity_limits=config.speeds(arm),
-            acceleration_limits=config.accelerations(arm),
-        )
         self.distance = following_distance(config.speeds(arm), config.following_time)
+        self._rate = 1.0 / config.period  # rounded as in JointIntegrator
         self._no_error, self._hold = np.zeros(task.size), np.zeros(arm.num_joints)
 
     def start(self, position: Array) -> CycleState:
@@ -166,13 +173,17 @@ class ControlCycle:
         filtered_gain = low_pass(gain, float(state.gain[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, config.error_limit)
         filtered_error = low_pass(amplified, state.error, config.error_smoothing)
-        step = self._hold
+        step, limited = self._hold, False
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
-            step = self.safe_step(q, J, filtered_error, damping)
+            step, limited = self.safe_step.inside(
+                q, J, filtered_error, self.limits, state.command, damping
+            )
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
-        return Tick(valid, error, size, gain, filtered_gain, filtered_error, step)
+        bounds = self.limits.step_bounds(state.command, state.velocity)
+        taken = self.guard(step, *bounds)
+        return Tick(valid, error, size, gain, filtered_gain, filtered_error, taken, step, limited)
 
     def advance(self, state: CycleState, target: Any, q: Array, tick: Tick) -> None:
         """Write a tick into the state."""
@@ -180,9 +191,9 @@ class ControlCycle:
             self.restart.remember(state.restart, target, q, tick.error_length)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
-        after = self.limits.integrate(state.command, tick.joint_step, state.velocity)
+        after = self.limits.add(state.command, tick.joint_step)
         motion = after - state.command
-        state.velocity[:] = motion * self.config.control_rate
+        state.velocity[:] = motion * self._rate
         state.command[:] = after
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
         coordinates = self.task.target_coordinates(target)
@@ -202,7 +213,7 @@ class ControlCycle:
             valid=tick.valid,
             error=tick.error_length,
             tolerance=self.config.tolerance,
-            limited=self.limits.limits(state.command, tick.joint_step, state.velocity),
+            limited=tick.limited or not np.array_equal(tick.joint_step, tick.asked),
             oscillating=self.supervision.oscillating(state.supervision),
             calmed=self.supervision.calmed(state.supervision),
             restart_search=self.restart.state(state.restart) if self.restart else RestartState.NONE,
@@ -244,6 +255,17 @@ def rollout(cycle: ControlCycle, targets: Sequence[Any], start: Array) -> Rollou
         np.array([tick.joint_step for tick in ticks]),
         np.array([tick.error for tick in ticks]),
         np.array([tick.gain for tick in ticks]),
+    )
+
+
+def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:
+    """The limits of a cycle's steps: the arm's and the config's."""
+    return JointLimits(
+        arm.lower,
+        arm.upper,
+        period=config.period,
+        velocity_limits=config.speeds(arm),
+        acceleration_limits=config.accelerations(arm),
     )
 
 

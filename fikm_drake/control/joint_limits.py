@@ -57,18 +57,15 @@ class JointLimits:
     def step_bounds(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """The least and the greatest step (n,), (n,) of each joint in this cycle [rad or m].
 
-        Never empty: a joint inside its limits that kept to these bounds before can go on to do so, and
-        limits of position and speed come before those of acceleration for one that did not.
+        Never empty: a joint that kept to these bounds before can go on to do so, and limits of position
+        and speed come before those of acceleration for one that did not. A joint that is beyond a
+        limit, as a robot may be at the start, may not go farther out; nothing makes it jump back.
 
         Args:
-            position: of the command (n,), inside the limits [rad or m].
+            position: of the command (n,) [rad or m].
             velocity: the change of the command in the last cycle over the period (n,) [rad/s or m/s].
         """
-        low, high = self.lower - position, self.upper - position
-        if self.brakes:
-            low, high = -self._braking(-low), self._braking(high)
-        if self._fast:
-            low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
+        low, high = self.steady_bounds(position)
         if self.brakes:
             last = velocity * self._period
             slower, faster = last - self._change, last + self._change
@@ -76,6 +73,16 @@ class JointLimits:
                 np.minimum(np.maximum(low, slower), high),
                 np.maximum(np.minimum(high, faster), low),
             )
+        return low, high
+
+    def steady_bounds(self, position: Array) -> tuple[Array, Array]:
+        """The same (n,), (n,) by the limits of position and speed alone, whatever the last step was."""
+        low = np.minimum(self.lower - position, 0.0)
+        high = np.maximum(self.upper - position, 0.0)
+        if self.brakes:
+            low, high = -self._braking(-low), self._braking(high)
+        if self._fast:
+            low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
         return low, high
 
     def brakeable(self, step: Array) -> Array:
@@ -89,6 +96,11 @@ class JointLimits:
     def shorten(self, step: Array) -> Array:
         """The step (n,), shortened as a whole to the speed that every joint may have."""
         return self._shorten(step, self._fastest) if self._fast else step
+
+    def add(self, position: Array, step: Array) -> Array:
+        """The position (n,) after a step that a guard let through; rounding takes it no farther out."""
+        low, high = np.minimum(self.lower, position), np.maximum(self.upper, position)
+        return np.minimum(np.maximum(position + step, low), high)
 
     def integrate(self, position: Array, step: Array, velocity: Array) -> Array:
         """The position (n,) after the step, as far as it is allowed.

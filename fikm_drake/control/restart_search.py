@@ -9,6 +9,7 @@ import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
@@ -77,6 +78,7 @@ class RestartSearch:
         upper: upper joint limits (n,) [rad or m]; inf for none.
         tolerance: an error up to this is solved [m].
         pace: largest joint motion in a cycle on the way [rad or m].
+        limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
     """
 
     def __init__(
@@ -88,7 +90,9 @@ class RestartSearch:
         upper: Array,
         tolerance: float,
         pace: float,
+        limits: JointLimits | None = None,
     ) -> None:
+        self._limits = limits
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
         self._tolerance, self._pace = tolerance, pace
@@ -112,7 +116,8 @@ class RestartSearch:
         if memory[0] != RestartState.UNDERWAY:
             return joint_step
         way = memory[4:] - q
-        return way * min(LANDING, self._pace / max(float(np.abs(way).max()), 1e-300))
+        way = way * min(LANDING, self._pace / max(float(np.abs(way).max()), 1e-300))
+        return self._limits.shorten(self._limits.brakeable(way)) if self._limits else way
 
     def remember(self, memory: Array, desired: Any, q: Array, error: float) -> None:
         """Write a cycle into `memory`: watch the law, search, or see whether the way is done.
@@ -194,13 +199,16 @@ class RestartSearch:
         return np.clip(q + 0.1 * aside(len(q)), self._lower, self._upper)
 
 
-def make_restart_search(task: TaskKinematics, *, tolerance: float, pace: float) -> RestartSearch:
+def make_restart_search(
+    task: TaskKinematics, *, tolerance: float, pace: float, limits: JointLimits | None = None
+) -> RestartSearch:
     """The restart search of a task's arm.
 
     Args:
         task: what counts.
         tolerance: a task error up to this is no reason for a search [m].
         pace: largest joint motion in a cycle on the way [rad or m].
+        limits: of the joints; None: none.
 
     Raises:
         ValueError: naming the bad value.
@@ -212,4 +220,5 @@ def make_restart_search(task: TaskKinematics, *, tolerance: float, pace: float) 
         upper=task.arm.upper,
         tolerance=check_positive("tolerance", tolerance),
         pace=check_positive("pace", pace),
+        limits=limits,
     )

@@ -72,31 +72,31 @@ class SafeStep:
         q: Array,
         J: Array,
         error: Array,
-        low: Array,
-        high: Array,
         limits: JointLimits,
+        command: Array,
         damping: float | None = None,
     ) -> tuple[Array, bool]:
-        """The joint step (n,) inside bounds [rad or m], and whether they took a part of it away.
+        """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
 
-        What a joint at its bound may not do the law does with the others, see `control.saturation`.
+        What a joint at its limit of position or speed may not do the law does with the others, see
+        `control.saturation`. Limits of acceleration are left to the guard: to make up for them with
+        other joints, in this cycle, would let the arm swing.
 
         Args:
             q: joint positions (n,) [rad or m].
             J: the task Jacobian at q (m,n).
             error: task error (m,) [m].
-            low: least step of each joint (n,) [rad or m].
-            high: greatest step of each joint (n,) [rad or m].
-            limits: where the bounds are from.
+            limits: of the joints.
+            command: commanded joint positions (n,), from which the step is taken [rad or m].
             damping: for a law that takes it [-], else None.
         """
         free, weights, secondary = self._free(q, J, error, damping)
         short = self._short(free, error)
         step = limits.brakeable(short)
-        limited = step is not short
+        low, high = limits.steady_bounds(command)
+        if (np.minimum(np.maximum(step, low), high) == step).all():
+            return step, step is not short
         kept = limits.shorten(step)
-        if kept is step and (step >= low).all() and (step <= high).all():
-            return step, limited
         more = () if damping is None else (damping,)
 
         def solve(J: Array, error: Array) -> Array:

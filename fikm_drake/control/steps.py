@@ -3,13 +3,9 @@
 from math import inf, sqrt
 from typing import TypeVar
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import LARGEST, Array
 
 Signal = TypeVar("Signal", float, Array)
-
-
-LARGEST = 1e100
-"""A vector that is longer counts as not finite: what is computed from it could overflow."""
 
 
 def length(vector: Array) -> float:

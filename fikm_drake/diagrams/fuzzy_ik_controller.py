@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 
-from fikm_drake.control.cycle import make_law
+from fikm_drake.control.cycle import make_law, make_limits
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.status import following_distance
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -15,6 +15,7 @@ from fikm_drake.laws import LawLike
 from fikm_drake.laws.law import takes_damping
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.gain_supervisor import GainSupervisor
+from fikm_drake.systems.guard_block import GuardBlock
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
 from fikm_drake.systems.restart_planner import RestartPlanner
@@ -50,7 +51,7 @@ class FuzzyIkController(Diagram):
       unconnected without that: then set the start by `SetPositions`.
     - **commanded_position** (n) [rad or m]: from the state.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
-    - **joint_step** (n) [rad or m]: dθ of this cycle, before the joint limits.
+    - **joint_step** (n) [rad or m]: dθ of this cycle, what the guard lets through.
     - **task_error** (m) [m]: desired minus actual, in the world frame; see `TaskError`.
     - **gain** (1) [-]: K of Table I, before its filter.
     - **oscillating** (1): 1 while a joint oscillates, else 0.
@@ -90,7 +91,7 @@ class FuzzyIkController(Diagram):
         task = as_task(plant, config.frame, task or config.task, config.characteristic_length)
         law, arm = make_law(task, config, law), task.arm
         n, m = arm.num_joints, task.size
-        period = config.period
+        period, limits = config.period, make_limits(config, arm)
         limit = config.error_limit
 
         builder = DiagramBuilder()
@@ -135,8 +136,10 @@ class FuzzyIkController(Diagram):
                 posture_gain=config.posture_rate * period,
                 nominal_position=config.nominal_position,
                 singularity_nudge=config.singularity_nudge,
+                limits=limits,
             ),
         )
+        guard = add("guard", GuardBlock(limits, max_joint_step=config.max_joint_step))
         integrator = add(
             "joint_integrator",
             JointIntegrator(
@@ -144,8 +147,6 @@ class FuzzyIkController(Diagram):
                 arm.upper,
                 period=period,
                 initial_position=arm.default_position,
-                velocity_limits=config.speeds(arm),
-                acceleration_limits=config.accelerations(arm),
                 following_distance=following_distance(config.speeds(arm), config.following_time),
             ),
         )
@@ -177,15 +178,21 @@ class FuzzyIkController(Diagram):
                     period=period,
                     tolerance=config.tolerance,
                     speed=config.restart_speed,
+                    limits=limits,
                 ),
             )
             wire(ik, "joint_step", source, "law_step")
             wire(source, "restart_search", status, "restart_search")
+        wire(source, "joint_step", guard, "joint_step")
+        wire(ik, "limited", guard, "limited")
+        for block in (ik, guard):
+            wire(integrator, "position", block, "command")
+        wire(integrator, "velocity", guard, "command_velocity")
         wire(integrator, "motion", supervisor, "joint_step")
-        wire(source, "joint_step", integrator, "joint_step")
+        wire(guard, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
         wire(error, "valid", status, "valid")
-        wire(integrator, "limited", status, "limited")
+        wire(guard, "limited", status, "limited")
         wire(supervisor, "oscillating", status, "oscillating")
         wire(supervisor, "calmed", status, "calmed")
         wire(integrator, "following", status, "following")
@@ -204,7 +211,7 @@ class FuzzyIkController(Diagram):
         for block, port, name in (
             (integrator, "position", "commanded_position"),
             (integrator, "velocity", "commanded_velocity"),
-            (source, "joint_step", "joint_step"),
+            (guard, "joint_step", "joint_step"),
             (error, "task_error", "task_error"),
             (supervisor, "gain", "gain"),
             (supervisor, "oscillating", "oscillating"),

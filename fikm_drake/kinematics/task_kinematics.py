@@ -1,7 +1,6 @@
 """What a task is: an object that knows its error and its Jacobian."""
 
 from abc import ABC, abstractmethod
-from math import isfinite
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -9,7 +8,7 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import InputPort, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import LARGEST, Array
 from fikm_drake.kinematics.plant_arm import PlantArm
 
 
@@ -136,7 +135,8 @@ class PoseTargetTask(PlantTask):
 
     def is_finite(self, target: RigidTransform) -> bool:
         """True if no number of a target is NaN or infinite."""
-        return bool(np.isfinite(target.GetAsMatrix34()).all())
+        X = target.GetAsMatrix34()
+        return _finite(X[:, 3]) and bool(np.isfinite(X).all())
 
     def declare_target(self, system: LeafSystem, name: str | None = None) -> InputPort:
         """Declare the input port for a target: a RigidTransform X_WE."""
@@ -144,5 +144,5 @@ class PoseTargetTask(PlantTask):
 
 
 def _finite(vector: Array) -> bool:
-    """Cheaper than np.isfinite(…).all(); what passes 1e154 counts as not finite too."""
-    return isfinite(vector.dot(vector))
+    """Cheaper than np.isfinite(…).all(); what passes `LARGEST` counts as not finite too."""
+    return bool(vector.dot(vector) < LARGEST**2)

@@ -7,6 +7,8 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.arrays import Array
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -31,17 +33,21 @@ class DifferentialIk(LeafSystem):
         - position
         - guard
         - damping
+        - command
         output_ports:
         - joint_step
         - valid
+        - limited
 
     - **task_error** (m) [m]: as of `TaskError`, amplified and filtered as the user likes.
     - **position** (n) [rad or m]: the joints.
     - **guard**, only if `guarded`: the target, as of `TaskError`, which must be finite too; else the
       filters before `task_error` would let the arm coast after the target is lost.
     - **damping** (1) [-], only if `damped`: as of `GainSupervisor`, for a law that takes it.
+    - **command** (n) [rad or m], only with `limits`: of `JointIntegrator`, which adds the step to it.
     - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
+    - **limited** (1), only with `limits`: 1 while they take away a part of the step, else 0.
 
     Args:
         plant: a finalized plant; it is not copied.
@@ -58,6 +64,8 @@ class DifferentialIk(LeafSystem):
         nominal_position: that posture (n) [rad or m]; empty: the middle of the joint limits.
         singularity_nudge: joint motion aside at a dead point, over the length of `task_error` [rad/m], see
             `control.safe_step`; 0: the arm stays there.
+        limits: of the joints; what one at its bound may not do the others do, see
+            `control.saturation`. None: they are not seen.
 
     Raises:
         ValueError: naming the bad value; see `PlantArm` and `TaskKinematics` too.
@@ -83,6 +91,7 @@ class DifferentialIk(LeafSystem):
         posture_gain: float = 0.0,
         nominal_position: Sequence[float] = (),
         singularity_nudge: float = 0.0,
+        limits: JointLimits | None = None,
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
@@ -107,6 +116,9 @@ class DifferentialIk(LeafSystem):
         if guarded:
             self._guard = self._task.declare_target(self, "guard").Eval
         self._damping = self.DeclareVectorInputPort("damping", 1).Eval if damped else None
+        self._limits = limits
+        if limits:
+            self._command = self.DeclareVectorInputPort("command", n).Eval
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -114,14 +126,29 @@ class DifferentialIk(LeafSystem):
             prerequisites_of_calc={self.all_input_ports_ticket()},
         )
         declare_valid_port(self)
+        if limits:
+            self.DeclareVectorOutputPort(
+                "limited",
+                1,
+                self._calc_limited,
+                prerequisites_of_calc={self.all_input_ports_ticket()},
+            )
 
     def _calc_step(self, context: Context, output: BasicVector) -> None:
+        output.set_value(self._limited_step(context)[0])
+
+    def _calc_limited(self, context: Context, output: BasicVector) -> None:
+        output[0] = self._limited_step(context)[1]
+
+    def _limited_step(self, context: Context) -> tuple[Array, bool]:
         error = self._error(context)
         damping = float(self._damping(context)[0]) if self._damping else None
         lost = self._guard is not None and not self._task.is_finite(self._guard(context))
         lost = lost or (damping is not None and not abs(damping) < MOST_DAMPING)
-        if lost or not all_finite(error):
-            output.set_value(self._hold)
-            return
         q = self._position(context)
-        output.set_value(self._safe_step(q, self._task.jacobian(q), error, damping))
+        if lost or not (all_finite(error) and all_finite(q)):
+            return self._hold, False
+        J = self._task.jacobian(q)
+        if self._limits is None:
+            return self._safe_step(q, J, error, damping), False
+        return self._safe_step.inside(q, J, error, self._limits, self._command(context), damping)

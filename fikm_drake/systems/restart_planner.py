@@ -7,6 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.checks import check_period, check_positive
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import make_restart_search
 from fikm_drake.control.steps import all_finite, length
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -44,6 +45,7 @@ class RestartPlanner(LeafSystem):
         task: a name, see `FuzzyIkConfig.task`, or an object, see `TaskKinematics`.
         tolerance: a task error up to this is no reason for a restart search [m].
         speed: of the fastest joint on a restart search [rad/s or m/s].
+        limits: of the joints, kept on the way as well; None: none.
 
     Raises:
         ValueError: naming the bad value.
@@ -58,11 +60,14 @@ class RestartPlanner(LeafSystem):
         task: str | TaskKinematics = "position",
         tolerance: float = 1e-3,
         speed: float = 1.5,
+        limits: JointLimits | None = None,
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
         pace = check_positive("speed", speed) * check_period(period)
-        self._restart = make_restart_search(self._task, tolerance=tolerance, pace=pace)
+        self._restart = make_restart_search(
+            self._task, tolerance=tolerance, pace=pace, limits=limits
+        )
         n = self._task.arm.num_joints
         self._hold = np.zeros(n)
         self._desired = self._task.declare_target(self).Eval

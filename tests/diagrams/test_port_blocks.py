@@ -3,6 +3,7 @@
 import inspect
 import re
 
+import numpy as np
 import pytest
 import yaml
 from pydrake.systems.framework import BasicVector, LeafSystem, System
@@ -31,16 +32,18 @@ def workplane_ik():
 
 
 ALL = fd.FuzzyIkConfig(measured_position=True)
+LIMITS = fd.JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=PERIOD)
 MAKERS = {
     "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
     "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
     "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
     "DifferentialIk": lambda p: fd.DifferentialIk(
-        p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True
+        p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True, limits=LIMITS
     ),
     "FuzzyIkController": lambda p: fd.FuzzyIkController(p, law=fd.FuzzyMapping(), config=ALL),
     "FuzzyIkTorqueController": lambda p: fd.FuzzyIkTorqueController(p),
     "GainSupervisor": lambda p: fd.GainSupervisor(3, 7, period=PERIOD),
+    "GuardBlock": lambda p: fd.GuardBlock(LIMITS),
     "IntegerFuzzyIkSystem": lambda p: workplane_ik(),
     "JointIntegrator": lambda p: fd.JointIntegrator(
         [-1.0], [1.0], period=PERIOD, initial_position=[0.0]

@@ -79,8 +79,8 @@ def test_a_target_near_joint_limits_ends_calm_and_is_reached_with_a_restart(
     np.testing.assert_allclose(tool, target, atol=1e-3)
 
 
-# Of the 60 of `fikm-drake benchmark poses`: two that need no restart search, three that do.
-@pytest.mark.parametrize(("index", "local"), [(2, True), (5, True), (28, False), (36, False)])
+# Of the 60 of `fikm-drake benchmark poses`: three that need no restart search, one that does.
+@pytest.mark.parametrize(("index", "local"), [(2, True), (5, True), (28, False), (36, True)])
 def test_random_poses_of_an_iiwa_are_reached(index, local, plant_with, run):
     arm = fd.load_arm("iiwa14")
     postures = np.random.default_rng(0).uniform(arm.lower, arm.upper, (60, 7))

@@ -8,6 +8,7 @@ from fikm_drake.experiments.benchmarks import (
     batch_benchmark,
     calm_benchmark,
     cycle_benchmark,
+    feedback_benchmark,
     hard_benchmark,
     labvolt_benchmark,
     mamdani_benchmark,
@@ -41,6 +42,12 @@ BENCHMARKS = {
     ),
     "cycle": Benchmark(
         "CPU time of a law and of a cycle of differential IK", "rounds", 40, cycle_benchmark.table
+    ),
+    "feedback": Benchmark(
+        "a path through an inner loop, beside Drake's integrator",
+        "seconds",
+        5,
+        feedback_benchmark.table,
     ),
     "hard": Benchmark(
         "a line, a large step, targets out of reach, beside others",

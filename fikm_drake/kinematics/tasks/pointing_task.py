@@ -64,9 +64,9 @@ class PointingTask(PlantTask):
     def target_error(self, context: Any, target: Array) -> Array:
         """Turn across the axis, then desired minus actual position (5,) [m]."""
         X_WE = self.arm.pose(context)
-        direction = target[3:]
-        if not direction.dot(direction) > LEAST_SQUARE:
+        if not self.is_finite(target):
             return np.full(5, np.nan)
+        direction = target[3:]
         # The direction along the basis (x, y, axis) of E: the axis turns by the angle toward (x, y).
         x, y, along = ((X_WE.rotation().matrix() @ self._basis).T @ direction).tolist()
         across = hypot(x, y)
@@ -88,7 +88,7 @@ class PointingTask(PlantTask):
 
     def is_finite(self, target: Array) -> bool:
         """True if the target is finite and its direction is not zero."""
-        return super().is_finite(target) and target[3:].dot(target[3:]) > LEAST_SQUARE
+        return super().is_finite(target) and bool(target[3:].dot(target[3:]) > LEAST_SQUARE)
 
     def jacobian_range(self) -> Array:
         """Bounds of the Jacobian's |J_ij| (5,n) over all joint positions."""

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from pydrake.math import RigidTransform
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import LARGEST, Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
@@ -42,7 +42,10 @@ class OrientationTask(PoseTargetTask):
         self._scale = np.array([self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0])
 
     def target_error(self, context: Any, target: RigidTransform) -> Array:
-        """The scaled rotation vector (3,) [m]."""
+        """The scaled rotation vector (3,) [m]; NaN if the position is not finite, though it is free."""
+        p = target.translation()
+        if not p.dot(p) < LARGEST**2:
+            return np.full(3, np.nan)
         return self._turn(self.arm.pose(context), target)
 
     def target_jacobian(self, context: Any) -> Array:
