@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from fikm_drake.cli.benchmark import add_benchmark
 from fikm_drake.cli.calibrate import add_calibrate
+from fikm_drake.cli.check import add_check
 from fikm_drake.cli.completion import add_completion
 from fikm_drake.cli.export_c import add_export_c
 from fikm_drake.cli.follow import add_follow
@@ -52,6 +53,7 @@ def _parser() -> argparse.ArgumentParser:
         add_run,
         add_follow,
         add_models,
+        add_check,
         add_rules,
         add_reproduce,
         add_benchmark,

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from fikm_drake.experiments.benchmarks import (
     anfis_benchmark,
+    arms_benchmark,
     batch_benchmark,
     calm_benchmark,
     cycle_benchmark,
@@ -63,6 +64,12 @@ BENCHMARKS = {
         "rounds",
         3,
         batch_benchmark.table,
+    ),
+    "arms": Benchmark(
+        "public arms beside Drake's integrator and Pink, where installed",
+        "targets",
+        20,
+        arms_benchmark.table,
     ),
     "calm": Benchmark(
         "what the calm costs where a target can be followed, and what it is for",
