@@ -117,6 +117,7 @@ from fikm_drake.solvers.workplane.workplane import Workplane, load_workplane
 from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_workplane_data
 from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, WorkplaneInverse
 from fikm_drake.systems.chain_inverse_dynamics import ChainInverseDynamics
+from fikm_drake.systems.clearance_filter import ClearanceFilter
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
@@ -129,6 +130,8 @@ from fikm_drake.systems.joint_sensor import JointSensor
 from fikm_drake.systems.labvolt_ik import LabVoltIk
 from fikm_drake.systems.last_finite import LastFinite
 from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.null_space_filter import NullSpaceFilter
+from fikm_drake.systems.null_space_motion import NullSpaceMotion
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
@@ -157,6 +160,7 @@ __all__ = [
     "BatchSolution",
     "Clearance",
     "ClearanceConfig",
+    "ClearanceFilter",
     "ClearanceInfo",
     "ChainInverseDynamics",
     "CommandSupervision",
@@ -213,6 +217,8 @@ __all__ = [
     "MamdaniConfig",
     "MamdaniSystem",
     "NearestReachable",
+    "NullSpaceFilter",
+    "NullSpaceMotion",
     "OrientationTask",
     "PathStatus",
     "Planar3R",

@@ -17,7 +17,8 @@ from fikm_drake.control.clearance_config import (
     load_clearance_rules,
 )
 from fikm_drake.control.row_projection import free_part, project
-from fikm_drake.kinematics.checker_joints import checker_indices, joint_reach
+from fikm_drake.kinematics.checker_joints import arm_joint_names, checker_indices, joint_reach
+from fikm_drake.kinematics.plant_arm import PlantArm
 
 Array = NDArray[np.float64]
 
@@ -125,6 +126,11 @@ class Clearance:
             self.near(self._default[self._indices])
         except RuntimeError as error:
             raise ValueError(f"the checker cannot tell distances: {error}") from error
+
+    @property
+    def period(self) -> float:
+        """Of the control cycle [s]."""
+        return self._period
 
     @property
     def num_joints(self) -> int:
@@ -237,6 +243,7 @@ class Clearance:
             return np.zeros(len(q)), ClearanceInfo()
         if others is not None and not np.isfinite(others).all():
             return np.zeros(len(q)), ClearanceInfo()
+        step = _shortened(step, low, high)
         way = float(np.abs(step).dot(self._reach))
         zone = self.config.zone
         if way > zone:
@@ -347,6 +354,17 @@ class _Scratch(threading.local):
         self.context = checker.MakeStandaloneModelContext()
 
 
+def _shortened(step: Array, low: Array | None, high: Array | None) -> Array:
+    """The step, shortened as a whole toward what its joints may do, at most to a hundredth."""
+    excess = 1.0
+    for limit in (low, high):
+        if limit is not None:
+            ahead = (step * limit > 0.0) & np.isfinite(limit)
+            if ahead.any():
+                excess = max(excess, float((step[ahead] / limit[ahead]).max()))
+    return step / min(excess, 100.0) if excess > 1.0 else step
+
+
 def _with_box(
     rows: Array, bounds: Array, low: Array | None, high: Array | None
 ) -> tuple[Array, Array]:
@@ -400,3 +418,16 @@ def _kept(step: Array, rows: Array, bounds: Array, tolerance: float) -> Array:
     if not broken.any():
         return step
     return step * float((bounds[broken] / change[broken]).min())
+
+
+def make_clearance(
+    arm: PlantArm, checker: CollisionChecker, config: ClearanceConfig, period: float
+) -> Clearance:
+    """The clearance of a controller's arm; the checker's plant has joints of the same names.
+
+    Raises:
+        ValueError: naming the bad value; the checker is of another plant.
+    """
+    chain = getattr(arm, "chain", None)
+    names = arm_joint_names(arm.plant, None if chain is None else chain.position_indices)
+    return Clearance(checker, config, period=period, joints=names)

@@ -8,7 +8,9 @@ In tick k the joints are at q, their command is θ, and
     d = ⅓ K' e + ⅔ d                         equation 31, e first shortened to the error limit
     dθ = law(J(q), d)                        near joint limits with weights; at a dead point a nudge;
                                              what a joint at its bound may not do the others do;
+                                             what it leaves free of the null-space motion is added;
                                              on the way to another posture that way instead
+    dθ = clearance(q, dθ)                    the nearest one that keeps clear of obstacles
     dθ = guard(dθ)                           the last word: finite, not too long, inside the limits of
                                              position, speed and acceleration; nothing is added after it
     θ = θ + dθ
@@ -22,12 +24,15 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydrake.planning import CollisionChecker
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.clearance import ClearanceInfo, make_clearance
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
 from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import RestartState, make_restart_search
 from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.status import (
@@ -42,6 +47,9 @@ from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws import Law, LawLike, checked_law
 from fikm_drake.laws.fuzzy_mapping import fit_to_range
 from fikm_drake.laws.law import takes_damping
+
+UNTOUCHED = ClearanceInfo()
+"""Nothing is near."""
 
 
 class CycleState(NamedTuple):
@@ -59,6 +67,8 @@ class CycleState(NamedTuple):
     """The memory of `GainSupervision`."""
     restart: Array
     """The memory of `RestartSearch`; empty without one."""
+    others: Array
+    """Where obstacles that move were in the last tick (p,); NaN before the first, empty without any."""
 
 
 class Tick(NamedTuple):
@@ -82,6 +92,8 @@ class Tick(NamedTuple):
     """What the guard was asked for (n,) [rad or m]."""
     limited: bool
     """A limit of the joints took a part of dθ away, before the guard."""
+    cleared: ClearanceInfo
+    """What obstacles did to it."""
 
 
 class ControlCycle:
@@ -91,6 +103,8 @@ class ControlCycle:
         task: what counts.
         config: see `FuzzyIkConfig`; its frame and task have been used to make `task`.
         law: another law than the config's.
+        collision_checker: of a world with the task's arm, such as of `MakeCollisionChecker`; None: obstacles
+            are not seen, which costs nothing.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -107,7 +121,12 @@ class ControlCycle:
     """
 
     def __init__(
-        self, task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = None
+        self,
+        task: TaskKinematics,
+        config: FuzzyIkConfig,
+        law: LawLike | None = None,
+        *,
+        collision_checker: CollisionChecker | None = None,
     ) -> None:
         config.validate()
         arm = task.arm
@@ -132,6 +151,9 @@ class ControlCycle:
             singularity_nudge=config.singularity_nudge,
         )
         self.limits, self.guard = make_limits(config, arm), Guard(config.max_joint_step)
+        self.clearance = None
+        if collision_checker is not None:
+            self.clearance = make_clearance(arm, collision_checker, config.clearance, config.period)
         self.restart = None
         if config.restart_search:
             self.restart = make_restart_search(
@@ -144,6 +166,11 @@ class ControlCycle:
         self._rate = 1.0 / config.period  # rounded as in JointIntegrator
         self._no_error, self._hold = np.zeros(task.size), np.zeros(arm.num_joints)
 
+    @property
+    def num_others(self) -> int:
+        """Positions in the collision checker's plant that are not the arm's, p."""
+        return len(self.clearance.default_others) if self.clearance else 0
+
     def start(self, position: Array) -> CycleState:
         """The state before the first tick, at rest at joint positions (n,)."""
         return CycleState(
@@ -153,15 +180,26 @@ class ControlCycle:
             error=np.zeros(self.task.size),
             supervision=self.supervision.initial_memory(),
             restart=self.restart.initial_memory() if self.restart else np.zeros(0),
+            others=np.full(self.num_others, np.nan),
         )
 
-    def tick(self, state: CycleState, target: Any, q: Array) -> Tick:
+    def tick(
+        self,
+        state: CycleState,
+        target: Any,
+        q: Array,
+        *,
+        others: Array | None = None,
+        null_space_motion: Array | None = None,
+    ) -> Tick:
         """One tick; nothing is changed.
 
         Args:
             state: of the last tick.
             target: as the task takes it.
             q: joint positions (n,): the command, or measured [rad or m].
+            others: where obstacles are (p,), as of `Clearance`; None: where they are by default.
+            null_space_motion: joint velocity that is wished for beside the task (n,) [rad/s or m/s].
         """
         config, supervision = self.config, self.supervision
         error, J = self.task.error_and_jacobian(target, q)
@@ -173,20 +211,33 @@ class ControlCycle:
         filtered_gain = low_pass(gain, float(state.gain[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, config.error_limit)
         filtered_error = low_pass(amplified, state.error, config.error_smoothing)
-        step, limited = self._hold, False
+        step, limited, cleared = self._hold, False, UNTOUCHED
+        bounds = self.limits.step_bounds(state.command, state.velocity)
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
             step, limited = self.safe_step.inside(
                 q, J, filtered_error, self.limits, state.command, damping
             )
+            if null_space_motion is not None:
+                step = step + null_space_step(J, config.period * null_space_motion)
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
-        bounds = self.limits.step_bounds(state.command, state.velocity)
+            if self.clearance:
+                low, high = bounds
+                step, cleared = self.clearance(
+                    q, step, J=J, low=low, high=high, others=others, others_before=state.others
+                )
         taken = self.guard(step, *bounds)
-        return Tick(valid, error, size, gain, filtered_gain, filtered_error, taken, step, limited)
+        return Tick(
+            valid, error, size, gain, filtered_gain, filtered_error, taken, step, limited, cleared
+        )
 
-    def advance(self, state: CycleState, target: Any, q: Array, tick: Tick) -> None:
-        """Write a tick into the state."""
+    def advance(
+        self, state: CycleState, target: Any, q: Array, tick: Tick, others: Array | None = None
+    ) -> None:
+        """Write a tick into the state; the arguments are those of `tick`."""
+        if others is not None:
+            state.others[:] = others
         if self.restart and tick.valid:
             self.restart.remember(state.restart, target, q, tick.error_length)
         elif self.restart:
@@ -217,6 +268,7 @@ class ControlCycle:
             oscillating=self.supervision.oscillating(state.supervision),
             calmed=self.supervision.calmed(state.supervision),
             restart_search=self.restart.state(state.restart) if self.restart else RestartState.NONE,
+            blocked=tick.cleared.blocked,
             following=measured is None or follows(state.command, measured, self.distance),
         )
 

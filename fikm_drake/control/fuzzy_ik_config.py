@@ -16,6 +16,7 @@ from fikm_drake.checks import (
     check_positive,
     check_positive_finite,
 )
+from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
@@ -63,6 +64,10 @@ class FuzzyIkConfig:
         restart_speed: of the fastest joint on the way to that posture [rad/s or m/s].
         following_time: status NOT_FOLLOWING where a measured joint is further from its command than
             it moves in this time at its limit of speed [s]; more bears a slower robot.
+        clearance: distances from obstacles, and the rules of the approach; they count where the controller
+            is given a collision checker.
+        null_space_motion: whether there is the input port `null_space_motion`, for what the joints
+            should do beside the task; see `NullSpaceMotion`.
         tolerance: a task error up to this counts as converged [m].
         gain_smoothing: weight of the last gain in equation 30 [-]; 0: no filter, quicker.
         error_smoothing: weight of the last error in equation 31 [-]; 0: no filter, quicker.
@@ -87,6 +92,8 @@ class FuzzyIkConfig:
     restart_search: bool = False
     restart_speed: float = 1.5
     following_time: float = 0.25
+    clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
+    null_space_motion: bool = False
     tolerance: float = 1e-3
     gain_smoothing: float = 2.0 / 3.0
     error_smoothing: float = 2.0 / 3.0
@@ -154,7 +161,7 @@ class FuzzyIkConfig:
         if not isinstance(self.frame, str):
             raise ValueError(f"frame must be the name of a frame, got {self.frame!r}")
         check_task_name(self.task)
-        for name in ("fused", "measured_position", "restart_search"):
+        for name in ("fused", "measured_position", "restart_search", "null_space_motion"):
             check_flag(name, getattr(self, name))
         check_positive_finite("characteristic_length", self.characteristic_length, "m")
         check_positive_finite("control_rate", self.control_rate, "Hz")
@@ -172,6 +179,9 @@ class FuzzyIkConfig:
         )
         for name in ("gain_smoothing", "error_smoothing"):
             check_below_one(name, getattr(self, name))
+        if not isinstance(self.clearance, ClearanceConfig):
+            raise ValueError(f"clearance must be a ClearanceConfig, got {self.clearance!r}")
+        self.clearance.validate()
         if not isinstance(self.supervisor, GainSupervisorConfig):
             raise ValueError(f"supervisor must be a GainSupervisorConfig, got {self.supervisor!r}")
         self.supervisor.validate()

@@ -11,6 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.clearance import Clearance
 
 H = 1e-5
 """Of finite differences [rad or m]."""
@@ -109,3 +110,27 @@ def toward_manipulability(jacobian: Callable[[Array], Array], speed: float) -> O
 def _log_size(J: Array) -> float:
     """Logarithm of √det(J Jᵀ)."""
     return float(0.5 * np.linalg.slogdet(J.dot(J.T) + 1e-12 * np.eye(len(J)))[1])
+
+
+def away_from_obstacles(
+    clearance: Clearance, jacobian: Callable[[Array], Array], speed: float
+) -> Objective:
+    """Away from what is near, the more the nearer: the descent of Σ ½ (1 − d / influence)².
+
+    Args:
+        clearance: tells what is near.
+        jacobian: joint positions (n,) to the task Jacobian (m,n).
+        speed: of the fastest joint where something is at the safe distance [rad/s or m/s].
+    """
+    zone = clearance.config.influence_distance
+
+    def wished(q: Array) -> Array:
+        near = clearance.near(q)
+        if not len(near.distances):
+            return np.zeros(len(q))
+        weights = np.clip(1.0 - near.distances / zone, 0.0, 1.0)
+        wish = weights.dot(near.rows) / column_weights(jacobian(q))
+        size = float(np.abs(wish).max())
+        return (speed * float(weights.max()) / size if size > 0.0 else 0.0) * wish
+
+    return wished

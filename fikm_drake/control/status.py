@@ -29,6 +29,8 @@ class ControllerStatus(IntEnum):
     """No posture was found that solves the task: it seems out of reach (`FuzzyIkConfig.restart_search`)."""
     NOT_FOLLOWING = 8
     """The measured robot is further from the command than its limits explain, or not finite."""
+    BLOCKED = 9
+    """An obstacle takes away half of the joint step or more; the controller's `BlockingPair` names it."""
 
 
 ORDINARY_SPEED = 3.0
@@ -60,6 +62,7 @@ def controller_status(
     calmed: bool = False,
     restart_search: float = RestartState.NONE,
     following: bool = True,
+    blocked: bool = False,
 ) -> ControllerStatus:
     """The status of a cycle.
 
@@ -71,6 +74,7 @@ def controller_status(
         oscillating: the supervisor sees a joint oscillate.
         calmed: the supervisor has calmed the arm and it rests.
         following: the measured robot is near its command.
+        blocked: obstacles take away half of the step or more.
         restart_search: what the restart search does, a `RestartState`.
     """
     if not valid:
@@ -83,6 +87,8 @@ def controller_status(
         return ControllerStatus.STUCK
     if restart_search in (RestartState.SEARCHING, RestartState.UNDERWAY):
         return ControllerStatus.RESTART_SEARCH
+    if blocked:
+        return ControllerStatus.BLOCKED
     if oscillating:
         return ControllerStatus.OSCILLATING
     if calmed:

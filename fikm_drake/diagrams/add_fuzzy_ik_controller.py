@@ -5,6 +5,7 @@ from typing import TypeAlias
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, ModelInstanceIndex
+from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, DiagramBuilder
 
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
@@ -25,6 +26,7 @@ def MakeFuzzyIkController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    collision_checker: CollisionChecker | None = None,
     joints: Joints = None,
     reference_frame: str | Frame | None = None,
     context: Context | None = None,
@@ -40,6 +42,8 @@ def MakeFuzzyIkController(
         config: by default `FuzzyIkConfig()`.
         law: another law than the config's, such as a plain function (J, dr) to a joint step.
         task: another task than the config's, an object such as `PoseTask(PlantArm(plant, "tool"))`.
+        collision_checker: what the arm keeps clear of, such as of `MakeCollisionChecker`; its plant has
+            joints of the same names. None: obstacles are not seen.
         joints: which joints on the way to the tool move: names (`instance::name`), or a model instance;
             None: all revolute and prismatic ones that are neither locked in `context` nor fixed by
             equal limits.
@@ -72,7 +76,9 @@ def MakeFuzzyIkController(
         reference_frame=reference_frame,
         context=context,
     )
-    made = controller(plant, config=config, law=law, task=whole)
+    made = controller(
+        plant, config=config, law=law, task=whole, collision_checker=collision_checker
+    )
     return made if ports is None else DrakesPorts(made, whole.arm, ports=ports)
 
 
@@ -83,6 +89,7 @@ def AddFuzzyIkController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    collision_checker: CollisionChecker | None = None,
     joints: Joints = None,
     reference_frame: str | Frame | None = None,
     context: Context | None = None,
@@ -99,6 +106,7 @@ def AddFuzzyIkController(
         config=config,
         law=law,
         task=task,
+        collision_checker=collision_checker,
         joints=joints,
         reference_frame=reference_frame,
         context=context,

@@ -4,8 +4,10 @@ import dataclasses
 
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
+from pydrake.planning import CollisionChecker
+from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
 
+from fikm_drake.control.clearance import make_clearance
 from fikm_drake.control.cycle import make_law, make_limits
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.status import following_distance
@@ -13,11 +15,13 @@ from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
 from fikm_drake.laws.law import takes_damping
+from fikm_drake.systems.clearance_filter import ClearanceFilter
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.guard_block import GuardBlock
 from fikm_drake.systems.joint_integrator import JointIntegrator
 from fikm_drake.systems.low_pass_filter import LowPassFilter
+from fikm_drake.systems.null_space_filter import NullSpaceFilter
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.task_error import TaskError
@@ -57,6 +61,10 @@ class FuzzyIkController(Diagram):
     - **oscillating** (1): 1 while a joint oscillates, else 0.
     - **oscillating_joint** (1): the joint that oscillates, or did before the arm was calmed; −1: none.
     - **status** (1): a `ControllerStatus`.
+    - **null_space_motion** (n) [rad/s or m/s], with `config.null_space_motion`: what the joints should do
+      beside the task, as of `NullSpaceMotion`; what the task leaves free of it is done.
+    - with a collision checker, **obstacle_position**, **clearance** and **blocking_bodies**: as of
+      `ClearanceFilter`; `BlockingPair(context)` gives the bodies' names.
 
     While an input is not finite the status says so, the task error reads zero and the command
     holds, with limits of acceleration after braking; the filters meanwhile decay to rest.
@@ -66,6 +74,8 @@ class FuzzyIkController(Diagram):
         config: see `FuzzyIkConfig`.
         law: another law than the config's.
         task: another task than the config's, an object.
+        collision_checker: what the arm keeps clear of, such as of `MakeCollisionChecker`; its plant has
+            joints of the same names. None: obstacles are not seen.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -84,6 +94,7 @@ class FuzzyIkController(Diagram):
         config: FuzzyIkConfig,
         law: LawLike | None = None,
         task: TaskKinematics | None = None,
+        collision_checker: CollisionChecker | None = None,
     ) -> None:
         super().__init__()
         config.validate()
@@ -152,7 +163,12 @@ class FuzzyIkController(Diagram):
         )
         status = add(
             "status_monitor",
-            StatusMonitor(m, tolerance=config.tolerance, restart_search=config.restart_search),
+            StatusMonitor(
+                m,
+                tolerance=config.tolerance,
+                restart_search=config.restart_search,
+                blocked=collision_checker is not None,
+            ),
         )
         self._integrator = integrator
 
@@ -169,8 +185,15 @@ class FuzzyIkController(Diagram):
         if takes_damping(law):
             wire(supervisor, "damping", ik, "damping")
         source: System = ik  # of the joint step
+        seers: list[System] = [error, ik]  # blocks that need the joints
+        extra: list[InputPort] = []  # to export after those that are always there
+        if config.null_space_motion:
+            source = add("null_space_filter", NullSpaceFilter(task, period=period))
+            wire(ik, "joint_step", source, "law_step")
+            extra.append(source.GetInputPort("null_space_motion"))
+            seers.append(source)
         if config.restart_search:
-            source = add(
+            planner = add(
                 "restart_planner",
                 RestartPlanner(
                     plant,
@@ -181,8 +204,22 @@ class FuzzyIkController(Diagram):
                     limits=limits,
                 ),
             )
-            wire(ik, "joint_step", source, "law_step")
-            wire(source, "restart_search", status, "restart_search")
+            wire(source, "joint_step", planner, "law_step")
+            wire(planner, "restart_search", status, "restart_search")
+            source = planner
+            seers.append(planner)
+        self._clear = None
+        if collision_checker is not None:
+            clearance = make_clearance(arm, collision_checker, config.clearance, period)
+            clear = add("clearance_filter", ClearanceFilter(clearance, task=task, limits=limits))
+            wire(source, "joint_step", clear, "asked_step")
+            wire(integrator, "position", clear, "command")
+            wire(integrator, "velocity", clear, "command_velocity")
+            wire(clear, "blocked", status, "blocked")
+            self._clear = source = clear
+            seers.append(clear)
+            if clear.HasInputPort("obstacle_position"):
+                extra.append(clear.GetInputPort("obstacle_position"))
         wire(source, "joint_step", guard, "joint_step")
         wire(ik, "limited", guard, "limited")
         for block in (ik, guard):
@@ -201,9 +238,11 @@ class FuzzyIkController(Diagram):
         builder.ExportInput(desired, desired.get_name())
         builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
         if config.restart_search:
-            builder.ConnectInput(desired.get_name(), source.GetInputPort(desired.get_name()))
+            builder.ConnectInput(desired.get_name(), planner.GetInputPort(desired.get_name()))
         builder.ExportInput(integrator.GetInputPort("estimated_position"), "estimated_position")
-        for block in [error, ik, *[source] * config.restart_search]:
+        for port in extra:
+            builder.ExportInput(port, port.get_name())
+        for block in seers:
             if not config.measured_position:
                 wire(integrator, "position", block, "position")
             else:
@@ -219,7 +258,16 @@ class FuzzyIkController(Diagram):
             (status, "status", "status"),
         ):
             builder.ExportOutput(block.GetOutputPort(port), name)
+        if self._clear:
+            for name in ("clearance", "blocking_bodies"):
+                builder.ExportOutput(self._clear.GetOutputPort(name), name)
         builder.BuildInto(self)
+
+    def BlockingPair(self, context: Context) -> tuple[str, str]:
+        """Scoped names of the bodies that push most in this Diagram's context; empty for none."""
+        if self._clear is None:
+            return "", ""
+        return self._clear.BlockingPair(self.GetSubsystemContext(self._clear, context))
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
         """Set the commanded joint position (n,) [rad or m] in this controller's context, at rest.

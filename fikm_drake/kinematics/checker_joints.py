@@ -16,6 +16,25 @@ def scoped_joint_name(joint: Joint, plant: MultibodyPlant) -> str:
     return f"{plant.GetModelInstanceName(joint.model_instance())}::{joint.name()}"
 
 
+def arm_joint_names(plant: MultibodyPlant, positions: Sequence[int] | None = None) -> list[str]:
+    """Scoped names of the joints of a plant's positions, by default of all (n,).
+
+    Raises:
+        ValueError: a position is not that of a joint with one.
+    """
+    joints = [plant.get_joint(JointIndex(i)) for i in plant.GetJointIndices()]
+    names = {
+        j.position_start(): scoped_joint_name(j, plant) for j in joints if j.num_positions() == 1
+    }
+    wanted = range(plant.num_positions()) if positions is None else positions
+    missing = [int(i) for i in wanted if int(i) not in names]
+    if missing:
+        raise ValueError(
+            f"positions {missing} of the plant are not those of joints with one position"
+        )
+    return [names[int(i)] for i in wanted]
+
+
 def checker_indices(checker: CollisionChecker, joints: Sequence[str] | None) -> NDArray[np.int64]:
     """Where the arm's joints stand in the positions of the checker's plant (n,).
 
@@ -45,8 +64,8 @@ def checker_indices(checker: CollisionChecker, joints: Sequence[str] | None) -> 
         joints = list(found)
     indices = []
     for name in joints:
-        full = name if name in found else (short.get(name.split("::")[-1]) or [""])
-        full = full[0] if isinstance(full, list) and len(full) == 1 else full
+        known = short.get(name, []) if "::" not in name else [name]
+        full = known[0] if len(known) == 1 else name
         if full not in found:
             raise ValueError(
                 f"the collision checker's robot has no joint {name!r}: it is of another plant; "

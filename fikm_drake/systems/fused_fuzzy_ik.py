@@ -3,9 +3,17 @@
 import dataclasses
 from collections.abc import Callable
 
+import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
+from pydrake.planning import CollisionChecker
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    InputPort,
+    LeafSystem,
+)
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_position
@@ -14,6 +22,7 @@ from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
+from fikm_drake.systems.clearance_filter import FAR
 from fikm_drake.systems.joint_integrator import set_command
 from fikm_drake.systems.start import declare_start
 
@@ -46,6 +55,7 @@ class FusedFuzzyIk(LeafSystem):
         config: see `FuzzyIkConfig`.
         law: another law than the config's.
         task: another task than the config's, an object.
+        collision_checker: see `FuzzyIkController`.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -64,16 +74,23 @@ class FusedFuzzyIk(LeafSystem):
         config: FuzzyIkConfig,
         law: LawLike | None = None,
         task: TaskKinematics | None = None,
+        collision_checker: CollisionChecker | None = None,
     ) -> None:
         super().__init__()
         config.validate()
         config = dataclasses.replace(config)
         task = as_task(plant, config.frame, task or config.task, config.characteristic_length)
-        self._cycle = ControlCycle(task, config, law)
+        self._cycle = ControlCycle(task, config, law, collision_checker=collision_checker)
         n, m = task.arm.num_joints, task.size
         self._desired = task.declare_target(self).Eval
         estimated = self.DeclareVectorInputPort("estimated_position", n)
         self._estimated, self._measured = estimated, config.measured_position
+        self._motion, self._others = None, None
+        if config.null_space_motion:
+            self._motion = self.DeclareVectorInputPort("null_space_motion", n)
+        if self._cycle.num_others:
+            count = self._cycle.num_others
+            self._others = self.DeclareVectorInputPort("obstacle_position", count)
         start = self._cycle.start(task.arm.default_position)
         groups = CycleState(*(self.DeclareDiscreteState(part) for part in start))
         declare_start(self, estimated, self._start)
@@ -94,7 +111,15 @@ class FusedFuzzyIk(LeafSystem):
             self._calc_status,
             prerequisites_of_calc={self.all_input_ports_ticket(), self.xd_ticket()},
         )
+        if self._cycle.clearance:
+            self._declare_output("clearance", 1, lambda tick: min(tick.cleared.distance, FAR))
+            self._declare_output("blocking_bodies", 2, lambda tick: np.array(tick.cleared.pair))
         self.DeclarePeriodicDiscreteUpdateEvent(config.period, 0.0, self._update)
+
+    def BlockingPair(self, context: Context) -> tuple[str, str]:
+        """Scoped names of the bodies that push most in this block's context; empty for none."""
+        clearance = self._cycle.clearance
+        return clearance.names(self._tick(context)[1].cleared.pair) if clearance else ("", "")
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
         """Set the commanded joint position (n,) [rad or m] in this block's context, at rest.
@@ -116,7 +141,16 @@ class FusedFuzzyIk(LeafSystem):
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
         get = context.get_discrete_state
         state = CycleState(*(get(i).value() for i in range(len(CycleState._fields))))
-        return state, self._cycle.tick(state, self._desired(context), self._joints(context, state))
+        return state, self._tick_of(context, state)
+
+    def _tick_of(self, context: Context, state: CycleState) -> Tick:
+        return self._cycle.tick(
+            state,
+            self._desired(context),
+            self._joints(context, state),
+            others=_value(self._others, context),
+            null_space_motion=_value(self._motion, context),
+        )
 
     def _declare_output(self, name: str, size: int, pick: Callable[[Tick], Array | float]) -> None:
         """An output picked from a tick, computed when somebody asks."""
@@ -151,6 +185,11 @@ class FusedFuzzyIk(LeafSystem):
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
         state = CycleState(*(get(i) for i in range(len(CycleState._fields))))
+        tick = self._tick_of(context, state)
         target, q = self._desired(context), self._joints(context, state)
-        tick = self._cycle.tick(state, target, q)
-        self._cycle.advance(state, target, q, tick)
+        self._cycle.advance(state, target, q, tick, _value(self._others, context))
+
+
+def _value(port: InputPort | None, context: Context) -> Array | None:
+    """What a port that need not be there nor connected reads."""
+    return port.Eval(context) if port is not None and port.HasValue(context) else None

@@ -24,6 +24,7 @@ class StatusMonitor(LeafSystem):
         - calmed
         - following
         - restart_search
+        - blocked
         output_ports:
         - status
 
@@ -31,6 +32,7 @@ class StatusMonitor(LeafSystem):
     - **valid**, **limited**, **oscillating**, **calmed**, **following** (1 each): 0 or 1, from the
       blocks' ports of these names.
     - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
+    - **blocked** (1): of `ClearanceFilter`; the port exists with `blocked` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
 
@@ -38,14 +40,23 @@ class StatusMonitor(LeafSystem):
         size: m.
         tolerance: an error of this length counts as converged [m].
         restart_search: whether there is the port `restart_search`.
+        blocked: whether there is the port `blocked`.
 
     Raises:
         ValueError: naming the bad value.
     """
 
-    def __init__(self, size: int, *, tolerance: float = 1e-3, restart_search: bool = False) -> None:
+    def __init__(
+        self,
+        size: int,
+        *,
+        tolerance: float = 1e-3,
+        restart_search: bool = False,
+        blocked: bool = False,
+    ) -> None:
         super().__init__()
         check_counts(size=size)
+        self._searches, self._sees = restart_search, blocked
         self._tolerance = check_positive("tolerance", tolerance)
         self._error = self.DeclareVectorInputPort("task_error", size)
         self._flags = [
@@ -57,6 +68,7 @@ class StatusMonitor(LeafSystem):
                 "calmed",
                 "following",
                 *["restart_search"] * restart_search,
+                *["blocked"] * blocked,
             )
         ]
         self.DeclareVectorOutputPort(
@@ -78,5 +90,6 @@ class StatusMonitor(LeafSystem):
             oscillating=bool(oscillating),
             calmed=bool(calmed),
             following=bool(following),
-            restart_search=flags[5] if flags[5:] else RestartState.NONE,
+            restart_search=flags[5] if self._searches else RestartState.NONE,
+            blocked=self._sees and bool(flags[-1]),
         )
