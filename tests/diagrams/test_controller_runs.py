@@ -75,7 +75,7 @@ def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
     start, config = np.array(start), fd.FuzzyIkConfig(fused=fused)
     far = run(plant_with("panda"), config, start, [[0.4, 0.0, 0.4]] * 2, lambda k, q: q + 0.9)
     seen.setdefault(Status(int(far["status"][-1, 0])), "far from its command")
-    assert set(seen) == set(Status)
+    assert set(seen) == set(Status) - {Status.BLOCKED}  # that one is in test_obstacles.py
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,11 @@ import re
 import numpy as np
 import pytest
 import yaml
+from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import BasicVector, LeafSystem, System
 
 import fikm_drake as fd
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 
 PERIOD = 0.02
@@ -31,9 +33,27 @@ def workplane_ik():
     return fd.IntegerFuzzyIkSystem(rules, fd.load_workplane("tojo4dof"), period=PERIOD)
 
 
+def clearance_filter():
+    """With everything it can have: limits, and a ball that floats in its world."""
+
+    def populate(robot):
+        inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
+        robot.plant().AddRigidBody("ball", robot.plant().AddModelInstance("ball"), inertia)
+
+    arm = fd.load_arm("arm7")
+    checker = fd.MakeCollisionChecker(arm, populate, robots=["arm7"])
+    limits = JointLimits(arm.lower, arm.upper, period=PERIOD)
+    return fd.ClearanceFilter(fd.Clearance(checker, period=PERIOD), limits=limits)
+
+
 ALL = fd.FuzzyIkConfig(measured_position=True)
 LIMITS = fd.JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=PERIOD)
 MAKERS = {
+    "ClearanceFilter": lambda p: clearance_filter(),
+    "NullSpaceFilter": lambda p: fd.NullSpaceFilter(
+        fd.PositionTask(fd.PlantArm(p)), period=PERIOD
+    ),
+    "NullSpaceMotion": lambda p: fd.NullSpaceMotion(7, lambda q: -q),
     "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
     "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
     "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
@@ -57,7 +77,7 @@ MAKERS = {
     "RedundancyIk": lambda p: fd.RedundancyIk(
         fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
     ),
-    "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True),
+    "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True, blocked=True),
     "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
     "TaskError": lambda p: fd.TaskError(p),
     "VariableGain": lambda p: fd.VariableGain(3),
