@@ -50,9 +50,7 @@ ALL = fd.FuzzyIkConfig(measured_position=True)
 LIMITS = fd.JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=PERIOD)
 MAKERS = {
     "ClearanceFilter": lambda p: clearance_filter(),
-    "NullSpaceFilter": lambda p: fd.NullSpaceFilter(
-        fd.PositionTask(fd.PlantArm(p)), period=PERIOD
-    ),
+    "NullSpaceFilter": lambda p: fd.NullSpaceFilter(fd.PositionTask(fd.PlantArm(p)), period=PERIOD),
     "NullSpaceMotion": lambda p: fd.NullSpaceMotion(7, lambda q: -q),
     "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
     "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
