@@ -15,6 +15,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.law import as_arrays
 from fikm_drake.laws.rate_inference import INFERENCE, rate_rules, rule_texts
+from fikm_drake.laws.rate_table import table_inference
 
 LEAST = 1e-6
 """The longest universe is at least this [m for each rad]: a tool on the only axis does not spin."""
@@ -54,6 +55,9 @@ class FuzzyRateControl:
             the lengths of the columns at hand, for any arm.
         floor: least L_k as a fraction of the largest, in (0, 1] [-].
         error_range: D [m]; it should exceed the error of ordinary tracking.
+        table_size: entries a side of a look-up table that replaces the inference of `smooth`, as the
+            paper proposes; the nearest entry is taken, so errors below about D / table_size stay. 0: the
+            rules themselves, which are cheaper here and exact. An odd number has a zero.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -71,6 +75,7 @@ class FuzzyRateControl:
     reach: np.ndarray | None = field(default=None, compare=False)
     floor: float = 0.25
     error_range: float = 0.1
+    table_size: int = 0
 
     def __post_init__(self) -> None:
         if self.variant not in INFERENCE:
@@ -83,6 +88,10 @@ class FuzzyRateControl:
         if self.reach is not None:
             self.reach = _checked_reach(self.reach)
         self._many, self._one = INFERENCE[self.variant]
+        if self.table_size:
+            if self.variant != "smooth":
+                raise ValueError(f"table_size needs variant 'smooth', got {self.variant!r}")
+            self._many, self._one = table_inference(self.table_size)
         self._gain = self.joint_gain
         self._shorten = self.variant == "smooth"
         self._floors: list[float] = np.geomspace(self.floor, 1.0, self.sweeps)[::-1].tolist()
@@ -107,6 +116,7 @@ class FuzzyRateControl:
         sweeps: int = 1,
         floor: float = 0.25,
         error_range: float = 0.1,
+        table_size: int = 0,
     ) -> "FuzzyRateControl":
         """The law with the universes L_k of an arm, the lengths that its columns can reach.
 
@@ -118,13 +128,14 @@ class FuzzyRateControl:
             sweeps: as of the class.
             floor: as of the class.
             error_range: as of the class [m].
+            table_size: as of the class.
 
         Raises:
             ValueError: a prismatic joint without limits makes a reach infinite, or as above.
         """
         task = task if isinstance(task, Task) else Task(task)
         reach = column_reach(arm.jacobian_range(), task)
-        return cls(variant, gain, sweeps, reach, floor, error_range)
+        return cls(variant, gain, sweeps, reach, floor, error_range, table_size)
 
     @property
     def rules(self) -> RuleBase:

@@ -1,7 +1,5 @@
 """Both conventions of the tracking error, the readings of paper 1, and the spread over random curves."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -14,9 +12,9 @@ from fikm_drake.experiments.reproduce.fikm.rollout import Reading, rollout
 @pytest.mark.parametrize("make", [paths.curve_4_joints, lambda: fd.load_scenario("table6_2s")])
 def test_rollout_is_the_diagrams(make):
     scenario = make()
-    log = fd.simulate(replace(scenario, config=fd.FuzzyIkConfig(fused=True).as_in_paper()))
-    run = rollout(scenario.load_arm(), scenario.start()[None], log.desired[:, None])
-    np.testing.assert_allclose(run.q[:, 0], log.q, rtol=0, atol=1e-10)
+    log = fd.simulate(scenario.with_config(fd.FuzzyIkConfig(fused=True).as_in_paper()))
+    run = rollout(scenario.load_arm(), scenario.start()[None], log.cycles.desired[:, None])
+    np.testing.assert_allclose(run.q[:, 0], log.cycles.q, rtol=0, atol=1e-10)
     after, before = both(log)
     assert run.after.max() == pytest.approx(after.e_max, abs=1e-10)
     assert run.before.mean() == pytest.approx(before.e_mean, abs=1e-10)
@@ -29,14 +27,14 @@ def test_unsupervised_rollout_is_resolved_rate():
     log = fd.simulate(scenario.with_config(config))
     starts = scenario.start()[None]
     arm = scenario.load_arm()
-    run = rollout(arm, starts, log.desired[:, None], law=law, supervised=False)
-    np.testing.assert_allclose(run.q[:, 0], log.q, rtol=0, atol=1e-8)
+    run = rollout(arm, starts, log.cycles.desired[:, None], law=law, supervised=False)
+    np.testing.assert_allclose(run.q[:, 0], log.cycles.q, rtol=0, atol=1e-8)
 
 
 def test_errors_before_a_step_are_those_after_the_last_one_and_the_targets_motion():
-    log = fd.simulate(replace(fd.load_scenario("table6_2s"), hold=1.0))
+    log = fd.simulate(fd.load_scenario("table6_2s").but(target__hold=1.0))
     after, before = both(log)
-    moved = np.linalg.norm(np.diff(log.desired, axis=0), axis=1).max()
+    moved = np.linalg.norm(np.diff(log.cycles.desired, axis=0), axis=1).max()
     assert 0.0 < before.e_mean - after.e_mean < moved
     assert before.e_ss == pytest.approx(after.e_ss, abs=1e-5)  # the target stands
 

@@ -1,5 +1,6 @@
 """Paper 3, Kim & Lee 1993: Table 1, figures 4, 6 and 7, and past them (`fikm-drake reproduce frmrc`)."""
 
+from fikm_drake.experiments.reproduce.frmrc.look_up import look_up_table
 from fikm_drake.experiments.reproduce.frmrc.past import controller, descent, out_of_reach
 from fikm_drake.experiments.reproduce.frmrc.random_lines import lines, starts
 from fikm_drake.experiments.reproduce.frmrc.rules import table_1
@@ -14,6 +15,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "starts": starts,
     "lines": lines,
     "descent": descent,
+    "look-up table": look_up_table,
     "controller": controller,
     "out of reach": out_of_reach,
 }
