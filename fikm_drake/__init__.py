@@ -73,7 +73,9 @@ from fikm_drake.laws.pseudo_inverse import PseudoInverse
 from fikm_drake.laws.rule_generation import generate_rule_base
 from fikm_drake.resources import ConfigureParser
 from fikm_drake.simulation import scenario
+from fikm_drake.simulation.compare import Comparison, compare
 from fikm_drake.simulation.plot_log import plot_log
+from fikm_drake.simulation.plot_sweep import plot_sweep
 from fikm_drake.simulation.recorder import Recorder, record
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import (
@@ -84,6 +86,8 @@ from fikm_drake.simulation.scenario import (
     load_scenario,
 )
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
+from fikm_drake.simulation.sweep import Grid, Sweep, SweepRow, load_grid, sweep
+from fikm_drake.simulation.teleop import Teleop
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt
@@ -143,6 +147,15 @@ from fikm_drake.systems.variable_gain import VariableGain
 __version__ = "0.1.0"
 
 __all__ = [
+    "Comparison",
+    "compare",
+    "plot_sweep",
+    "Grid",
+    "Sweep",
+    "SweepRow",
+    "load_grid",
+    "sweep",
+    "Teleop",
     "BuiltScenario",
     "Scenario",
     "Recorder",

@@ -18,6 +18,8 @@ from fikm_drake.cli.reproduce import add_reproduce
 from fikm_drake.cli.rules import add_rules
 from fikm_drake.cli.run import add_run
 from fikm_drake.cli.shared import BAD_INPUT, EXIT_CODES, FAILED, code_of, sigterm_raises
+from fikm_drake.cli.sweep import add_sweep
+from fikm_drake.cli.teleop import add_teleop
 from fikm_drake.cli.train import add_train
 from fikm_drake.kinematics.native.kernel import kernel_description
 
@@ -51,6 +53,8 @@ def _parser() -> argparse.ArgumentParser:
 
     for add in (
         add_run,
+        add_sweep,
+        add_teleop,
         add_follow,
         add_models,
         add_check,

@@ -5,10 +5,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from pydrake.common.yaml import yaml_load
+from pydrake.geometry import Meshcat
+
 from fikm_drake.cli.shared import FAILED, OK, code_of, print_json, progress
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.run_log import RunLog
-from fikm_drake.simulation.scenario import load_scenario
+from fikm_drake.simulation.scenario import Scenario, load_scenario
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
 from fikm_drake.simulation.write_html import write_html
 
@@ -21,17 +24,29 @@ def add_run(commands: "argparse._SubParsersAction") -> None:
     run.add_argument("--csv", metavar="RUN.csv", help="write the log as a table")
     run.add_argument("--plot", metavar="RUN.png", help="write a picture")
     run.add_argument("--html", metavar="RUN.html", help="write a page that plays the run")
+    run.add_argument(
+        "--meshcat", action="store_true", help="show the run in a browser, in real time"
+    )
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="OPTION=VALUE",
+        help="another value, such as target.duration=2 or controller=frmrc",
+    )
     run.add_argument("--json", action="store_true", help="print errors and status as JSON")
     run.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
-    scenario = load_scenario(options.scenario)
+    scenario = _changed(load_scenario(options.scenario), options.set)
     if not _folders_exist(options):
         return FAILED
     code = OK
     try:
-        log = simulate(scenario, file=options.log, progress=progress())
+        log = simulate(
+            scenario, file=options.log, meshcat=_meshcat(options.meshcat), progress=progress()
+        )
     except SimulationStopped as stopped:
         print(f"fikm-drake: {stopped}", file=sys.stderr)
         log = stopped.log
@@ -46,6 +61,29 @@ def _run(options: argparse.Namespace) -> int:
         last = "" if status is None else f", {status.replace('_', ' ')} at the end"
         print(f"{options.scenario}: {log.metrics()}{last}")
     return code
+
+
+def _changed(scenario: Scenario, changes: list[str]) -> Scenario:
+    """The scenario with other values, each read as YAML."""
+    values = {}
+    for change in changes:
+        option, equals, text = change.partition("=")
+        if not equals:
+            raise ValueError(f"--set takes OPTION=VALUE, got {change!r}")
+        try:
+            values[option] = yaml_load(data=text)
+        except Exception as error:  # PyYAML raises many kinds
+            raise ValueError(f"--set {option}: {text!r} is not YAML") from error
+    return scenario.with_options(values) if values else scenario
+
+
+def _meshcat(wanted: bool) -> Meshcat | None:
+    """A page in the browser, its address told; None where none is wanted."""
+    if not wanted:
+        return None
+    meshcat = Meshcat()
+    print(f"open {meshcat.web_url()}", file=sys.stderr, flush=True)
+    return meshcat
 
 
 def _folders_exist(options: argparse.Namespace) -> bool:

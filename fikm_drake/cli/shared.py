@@ -60,7 +60,7 @@ def positive_count(text: str) -> int:
 
 
 def progress(patience: float = 2.0) -> Callable[[float], None]:
-    """A progress line on standard error, for a person who has waited for `patience` seconds."""
+    """Tell on standard error how much is done, and the time left, after `patience` seconds of waiting."""
     start = time.monotonic()
     shown = False
 
@@ -70,8 +70,11 @@ def progress(patience: float = 2.0) -> Callable[[float], None]:
             return
         if shown or time.monotonic() - start > patience:
             shown = True
+            spent = time.monotonic() - start
+            left = spent * (1.0 / fraction - 1.0) if fraction > 0.0 else 0.0
+            text = f"\r{100 * fraction:3.0f} %, {left:.0f} s left   "
             end = "\n" if fraction >= 1.0 else ""
-            print(f"\r{100 * fraction:3.0f} %", end=end, file=sys.stderr, flush=True)
+            print(text, end=end, file=sys.stderr, flush=True)
 
     return show
 

@@ -1,0 +1,315 @@
+"""Many runs, on one machine or many: a table, and a log each."""
+
+import csv
+import io
+import itertools
+import re
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydrake.common.yaml import yaml_load
+
+from fikm_drake.files import whole_file
+from fikm_drake.resources import find_model
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import Scenario, load_scenario
+from fikm_drake.simulation.simulate import SimulationStopped, simulate
+
+if TYPE_CHECKING:
+    import pandas
+
+ROW_FIELDS = ("status", "e_max", "e_mean", "e_ss", "turn_max", "travel", "seconds", "error")
+
+
+@dataclass
+class SweepRow:
+    """One run of a sweep."""
+
+    name: str
+    options: dict[str, object] = field(default_factory=dict)
+    """What differs from the base, by path; empty for scenarios that were given one by one."""
+    status: str = ""
+    """The last cycle's."""
+    e_max: float = float("nan")
+    """Largest error after a step [m]."""
+    e_mean: float = float("nan")
+    """Mean error [m]."""
+    e_ss: float = float("nan")
+    """Error at the end [m]."""
+    turn_max: float = float("nan")
+    """Largest angle to the target's orientation [rad]."""
+    travel: float = float("nan")
+    """Way of all joints together [rad or m]."""
+    seconds: float = float("nan")
+    """Time the run took; NaN where the log was there already."""
+    error: str = ""
+    """Why there is no result; empty for a good run."""
+
+
+@dataclass
+class Sweep:
+    """What `sweep` returns: a row a run, in the order they were given."""
+
+    rows: list[SweepRow]
+    folder: Path | None = None
+    """Where the logs are, NAME.npz each; None: nowhere."""
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @property
+    def option_names(self) -> list[str]:
+        """Paths of the options that were swept."""
+        return list(dict.fromkeys(name for row in self.rows for name in row.options))
+
+    def column(self, name: str) -> list:
+        """A column by name: of `SweepRow`, or an option's path.
+
+        Raises:
+            KeyError: there is none; the message lists the names.
+        """
+        if name in self.option_names:
+            return [row.options.get(name) for row in self.rows]
+        known = [item.name for item in fields(SweepRow) if item.name != "options"]
+        if name not in known:
+            raise KeyError(f"no column {name!r}; there are {', '.join(self.option_names + known)}")
+        return [getattr(row, name) for row in self.rows]
+
+    def log(self, name: str) -> RunLog:
+        """The log of a run by its name.
+
+        Raises:
+            ValueError: the sweep has no folder.
+            FileNotFoundError: there is no such log.
+        """
+        if self.folder is None:
+            raise ValueError("the sweep kept no logs: give it a folder")
+        return RunLog.load(self.folder / f"{name}.npz")
+
+    def to_csv(self, path: str | Path) -> None:
+        """Write the table.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+        with whole_file(path) as file:
+            text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+            writer = csv.writer(text)
+            writer.writerow(["name", *self.option_names, *ROW_FIELDS])
+            for row in self.rows:
+                options = [row.options.get(name) for name in self.option_names]
+                writer.writerow([row.name, *options, *(getattr(row, f) for f in ROW_FIELDS)])
+            text.flush()
+            text.detach()
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """A pandas DataFrame of the table.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("to_dataframe needs pandas: pip install pandas") from error
+        names = ["name", *self.option_names, *ROW_FIELDS]
+        return pandas.DataFrame({name: self.column(name) for name in names})
+
+    def __str__(self) -> str:
+        width = max([4, *(len(row.name) for row in self.rows)])
+        lines = [f"{'name':{width}s}  e_max [cm]  e_mean [cm]   e_ss [cm]  travel  status"]
+        for r in self.rows:
+            numbers = f"{100 * r.e_max:10.4f}  {100 * r.e_mean:11.4f}  {100 * r.e_ss:10.5f}"
+            lines.append(f"{r.name:{width}s}  {numbers}  {r.travel:6.2f}  {r.error or r.status}")
+        return "\n".join(lines)
+
+
+@dataclass
+class Grid:
+    """Every combination of options on a base.
+
+        fd.Grid(fd.load_scenario("table6_2s"), {"target.duration": [1.0, 2.0], "control_rate": [50, 100]})
+
+    Attributes:
+        base: the scenario that is varied.
+        options: values by dotted path, see `Scenario.with_options`.
+    """
+
+    base: Scenario
+    options: dict[str, Sequence]
+
+    def scenarios(self) -> dict[str, tuple[Scenario, dict[str, object]]]:
+        """Name, scenario and options of each combination.
+
+        Raises:
+            ValueError: an option does not exist or a combination is not valid; the message names it.
+        """
+        found: dict[str, tuple[Scenario, dict[str, object]]] = {}
+        for values in itertools.product(*self.options.values()):
+            options = dict(zip(self.options, values))
+            name = ",".join(f"{path.split('.')[-1]}={_short(v)}" for path, v in options.items())
+            try:
+                scenario = self.base.with_options(options)
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from error
+            unique = name if name not in found else f"{name},{len(found)}"
+            found[unique] = (scenario, options)
+        return found
+
+
+def load_grid(path: str | Path) -> Grid:
+    """Read a sweep from YAML: `base`, a scenario's name or path, and `grid`, values by dotted path.
+
+    Raises:
+        FileNotFoundError: there is no such file or scenario.
+        ValueError: it is no such file; the message names it.
+    """
+    found = find_model(path, folder="scenarios", kind="sweep")
+    try:
+        data = yaml_load(filename=str(found))
+    except Exception as error:  # PyYAML raises many kinds
+        raise ValueError(f"{found} is not YAML: {error}") from error
+    grid = data.get("grid") if isinstance(data, dict) else None
+    if (
+        not isinstance(grid, dict)
+        or set(data) != {"base", "grid"}
+        or not all(isinstance(values, list) and values for values in grid.values())
+    ):
+        raise ValueError(f"{found} must have base: SCENARIO and grid: {{path: [value, …]}}")
+    base = str(data["base"])
+    beside = found.parent / base
+    return Grid(load_scenario(beside if beside.is_file() else base), grid)
+
+
+def sweep(
+    scenarios: Grid | Mapping[str, Scenario] | Sequence[Scenario],
+    executor: Executor | None = None,
+    *,
+    folder: str | Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Sweep:
+    """Run many scenarios.
+
+        with ProcessPoolExecutor() as executor:
+            table = fd.sweep(fd.Grid(base, {"control_rate": [50.0, 100.0]}), executor, folder="runs")
+
+    A run that fails is a row with its error; the others go on.
+
+    Args:
+        scenarios: a grid, or scenarios, with or without names.
+        executor: of any kind, such as ProcessPoolExecutor or Dask's `client.get_executor()`; None: this
+            process, one after the other.
+        folder: where each run's log is kept; it is made. What is there already of the same scenario is not
+            run again, so that a sweep that was stopped goes on where it was. Workers write there: it must
+            be the same folder on all machines.
+        progress: called after each run with the fraction done.
+
+    Raises:
+        ValueError: there is nothing to run, a name is no file's name, or a scenario is not valid.
+        OSError: the folder cannot be made.
+    """
+    jobs = _jobs(scenarios)
+    place = None if folder is None else Path(folder).absolute()
+    if place is not None:
+        place.mkdir(parents=True, exist_ok=True)
+    rows: dict[str, SweepRow] = {}
+    for name, row in _done(jobs, executor, place):
+        row.options = jobs[name][1]
+        rows[name] = row
+        if progress:
+            progress(len(rows) / len(jobs))
+    result = Sweep([rows[name] for name in jobs], place)
+    if place is not None:
+        result.to_csv(place / "sweep.csv")
+    return result
+
+
+def run_one(name: str, scenario: Scenario, folder: Path | None) -> SweepRow:
+    """One run's row; its log is read where it is there already. Any process can do it."""
+    path = None if folder is None else folder / f"{name}.npz"
+    log = _kept(path, scenario)
+    start, spent = time.perf_counter(), float("nan")
+    try:
+        if log is None:
+            log = simulate(scenario, file=path)
+            spent = time.perf_counter() - start
+        metrics = log.metrics()
+    except (SimulationStopped, ValueError) as error:
+        return SweepRow(name, error=str(error).split("\n")[0])
+    return SweepRow(
+        name,
+        status=log.status_names[-1] if "status" in log else "",
+        e_max=metrics.e_max,
+        e_mean=metrics.e_mean,
+        e_ss=metrics.e_ss,
+        turn_max=float("nan") if metrics.turn_max is None else metrics.turn_max,
+        travel=float(np.abs(np.diff(log.q, axis=0)).sum()),
+        seconds=spent,
+    )
+
+
+def _kept(path: Path | None, scenario: Scenario) -> RunLog | None:
+    """The whole log of this scenario that is there already."""
+    if path is None or not path.is_file():
+        return None
+    try:
+        log = RunLog.load(path)
+        same = log.info.scenario == scenario.whole().to_yaml()
+    except ValueError:
+        return None
+    return log if same and not log.info.ended else None
+
+
+def _done(
+    jobs: dict[str, tuple[Scenario, dict[str, object]]],
+    executor: Executor | None,
+    folder: Path | None,
+) -> Iterator[tuple[str, SweepRow]]:
+    """Names and rows, as they are done."""
+    if executor is None:
+        for name, (scenario, _) in jobs.items():
+            yield name, run_one(name, scenario, folder)
+        return
+    futures: dict[Future[SweepRow], str] = {
+        executor.submit(run_one, name, scenario, folder): name
+        for name, (scenario, _) in jobs.items()
+    }
+    try:
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+    finally:
+        for future in futures:
+            future.cancel()
+
+
+def _jobs(
+    scenarios: Grid | Mapping[str, Scenario] | Sequence[Scenario],
+) -> dict[str, tuple[Scenario, dict[str, object]]]:
+    if isinstance(scenarios, Grid):
+        jobs = scenarios.scenarios()
+    else:
+        named = (
+            dict(scenarios)
+            if isinstance(scenarios, Mapping)
+            else {f"{i:04d}": scenario for i, scenario in enumerate(scenarios, start=1)}
+        )
+        jobs = {name: (scenario, {}) for name, scenario in named.items()}
+    if not jobs:
+        raise ValueError("there is nothing to sweep: no scenarios")
+    for name, (scenario, _) in jobs.items():
+        if not isinstance(scenario, Scenario):
+            raise ValueError(f"{name!r} must be a Scenario, got {scenario!r}")
+        if Path(name).name != name or name in (".", "..", ""):
+            raise ValueError(f"a run's name must be a file's name, got {name!r}")
+        scenario.validate()
+    return jobs
+
+
+def _short(value: object) -> str:
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return re.sub(r"[^\w.+-]+", "_", text).strip("_")[:40]
