@@ -6,10 +6,15 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+import numpy as np
+
 from fikm_drake.cli.shared import FAILED, OK, positive_count, progress
 from fikm_drake.experiments.reproduce.anfis.samples import train_static
 from fikm_drake.experiments.reproduce.anfis.seven_joints import train_freedom
 from fikm_drake.fuzzy.anfis.anfis import Anfis
+from fikm_drake.fuzzy.anfis.anfis_data import ORDERS
+from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
+from fikm_drake.fuzzy.anfis.structure_search import search_structures, split_rows
 from fikm_drake.fuzzy.anfis.training import METHODS
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.redundancy.bounds_inputs import INPUTS
@@ -69,6 +74,23 @@ def add_train(commands: "argparse._SubParsersAction") -> None:
     traced.add_argument("--processes", type=positive_count, help="that trace; all cores")
     traced.set_defaults(run=_traced_bounds)
 
+    structures = what.add_parser(
+        "structures", help="compare memberships, kinds and orders of an ANFIS on held-out rows"
+    )
+    structures.add_argument(
+        "data", metavar="DATA.csv", help="inputs, the output last; a row a line"
+    )
+    structures.add_argument(
+        "--memberships", nargs="+", type=positive_count, default=[4, 6, 8], metavar="N"
+    )
+    structures.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
+    structures.add_argument("--orders", nargs="+", type=int, choices=ORDERS, default=list(ORDERS))
+    structures.add_argument("--epochs", type=positive_count, default=40, help="of each (40)")
+    structures.add_argument("--method", choices=METHODS, default="variable_projection")
+    structures.add_argument("--seed", type=int, default=0, help="of the split into three (0)")
+    structures.add_argument("--out", metavar="ANFIS.yaml", help="write the best")
+    structures.set_defaults(run=_structures)
+
     for name, (text, learn) in EXPERIMENTS.items():
         experiment = what.add_parser(name, help=text)
         experiment.add_argument("out", metavar="ANFIS.yaml", help="the file to write")
@@ -113,6 +135,53 @@ def _written(learned: LearnedBounds, path: str) -> int:
     for anfis in (learned.lower, learned.upper):
         print(f"{anfis}: rms error {anfis.training_error.min():.2e} rad over the training data")
     return OK
+
+
+def _structures(options: argparse.Namespace) -> int:
+    if options.out is not None and not _folder_exists(options.out):
+        return FAILED
+    try:
+        table = np.loadtxt(options.data, delimiter=",", skiprows=_heads(options.data), ndmin=2)
+    except ValueError as error:
+        raise ValueError(f"{options.data} is not a table of numbers: {error}") from error
+    if table.shape[1] < 2:
+        raise ValueError(
+            f"{options.data} must have inputs and an output, has {table.shape[1]} column"
+        )
+    data, validation, held_out = split_rows(table[:, :-1], table[:, -1], seed=options.seed)
+    found = search_structures(
+        data,
+        validation,
+        held_out,
+        memberships=options.memberships,
+        kinds=options.kinds,
+        orders=options.orders,
+        epochs=options.epochs,
+        method=options.method,
+        progress=progress(),
+    )
+    print(f"{len(data[1])} rows learned, {len(validation[1])} chose, {len(held_out[1])} held out")
+    print(
+        f"{'structure':28s} {'numbers':>8s} {'validation':>11s} {'held out':>11s} {'largest':>11s}"
+    )
+    for s in found:
+        errors = f"{s.validation:11.4g} {s.held_out:11.4g} {s.held_out_largest:11.4g}"
+        print(f"{s!s:28s} {s.numbers:8d} {errors}")
+    if options.out is not None:
+        found[0].anfis.save(options.out)
+        print(f"wrote {options.out}: {found[0]}")
+    return OK
+
+
+def _heads(path: str) -> int:
+    """1 if the first line has names, else 0."""
+    with open(path, encoding="utf-8") as file:
+        first = file.readline().split(",")[0]
+    try:
+        float(first)
+    except ValueError:
+        return 1
+    return 0
 
 
 def _experiment(options: argparse.Namespace) -> int:

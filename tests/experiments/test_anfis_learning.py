@@ -1,5 +1,7 @@
 """Chapter 4 of Hassantabar (2021): what `fikm-drake reproduce anfis` claims of it."""
 
+import importlib
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,19 @@ def test_figures_4_8_and_4_12_with_fewer_epochs(monkeypatch):
     for name in samples.QUANTITIES:
         assert cells[f"{name}: rms error, fresh points [rad]"] < 0.02
     assert {"figure_4_8", "figures_4_9_11"} == set(sections[0].pictures)
+
+
+def test_structures_with_fewer_of_them(monkeypatch):
+    module = importlib.import_module("fikm_drake.experiments.reproduce.anfis.structures")
+    monkeypatch.setattr(module, "MEMBERSHIPS", (4, 8))
+    monkeypatch.setattr(module, "EPOCHS", 2)
+    module.found.cache_clear()
+    try:
+        section = EXPERIMENTS["structures"]()
+    finally:
+        module.found.cache_clear()
+    assert section.reached, str(section)
+    assert len(section.cells) == 2 * (8 + 1) and list(section.pictures) == ["anfis_structures"]
 
 
 def test_freedom_of_the_7_joint_arm(monkeypatch):

@@ -8,6 +8,7 @@ from fikm_drake.experiments.reproduce.anfis.mid_points import figure_3_16
 from fikm_drake.experiments.reproduce.anfis.minimum_norm import minimum_norm
 from fikm_drake.experiments.reproduce.anfis.postures import figure_3_7, figure_3_8, figure_3_12
 from fikm_drake.experiments.reproduce.anfis.seven_joints import freedom
+from fikm_drake.experiments.reproduce.anfis.structures import structures
 from fikm_drake.experiments.reproduce.anfis.three_ways import algorithm_1, exactness
 from fikm_drake.experiments.reproduce.anfis.validation import figure_4_12, figure_4_16, resolution
 from fikm_drake.experiments.reproduce.report import Experiment
@@ -27,6 +28,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 4.12": figure_4_12,
     "figure 4.16": figure_4_16,
     "resolution": resolution,
+    "structures": structures,
     "no closed form": no_closed_form,
     "freedom": freedom,
 }
