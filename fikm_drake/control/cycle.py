@@ -211,21 +211,27 @@ class ControlCycle:
         filtered_gain = low_pass(gain, float(state.gain[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, config.error_limit)
         filtered_error = low_pass(amplified, state.error, config.error_smoothing)
+        low, high = self.limits.steady_bounds(state.command)
+        bounds = self.limits.changing_bounds(low, high, state.velocity)
         step, limited, cleared = self._hold, False, UNTOUCHED
-        bounds = self.limits.step_bounds(state.command, state.velocity)
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
             step, limited = self.safe_step.inside(
-                q, J, filtered_error, self.limits, state.command, damping
+                q, J, filtered_error, low, high, self.limits, damping
             )
             if null_space_motion is not None:
                 step = step + null_space_step(J, config.period * null_space_motion)
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
             if self.clearance:
-                low, high = bounds
                 step, cleared = self.clearance(
-                    q, step, J=J, low=low, high=high, others=others, others_before=state.others
+                    q,
+                    step,
+                    J=J,
+                    low=bounds[0],
+                    high=bounds[1],
+                    others=others,
+                    others_before=state.others,
                 )
         taken = self.guard(step, *bounds)
         return Tick(

@@ -24,6 +24,9 @@ from fikm_drake.kinematics.tasks import check_task_name
 from fikm_drake.laws import LAWS, LawConfig
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
+DEFAULT_VELOCITY_LIMIT = 10.0
+"""Above what industrial arms do (2 to 8 rad/s), and what the paper's runs ask for [rad/s or m/s]."""
+
 
 @dataclass
 class FuzzyIkConfig:
@@ -57,6 +60,8 @@ class FuzzyIkConfig:
             the plant's default for joints without.
         velocity_limits: largest joint speeds (n) where the plant's own limits are not lower, or one
             for all [rad/s or m/s]; empty: the plant's own.
+        default_velocity_limit: speed of a joint that neither the plant nor `velocity_limits` bounds
+            [rad/s or m/s]; infinite (`.inf` in YAML): none, as in the paper.
         acceleration_limits: largest joint accelerations, likewise [rad/s² or m/s²].
         restart_search: search for another posture where the law comes to rest before the target: out
             of dead points and local minima at joint limits; see `control.restart_search`. The arm may
@@ -88,6 +93,7 @@ class FuzzyIkConfig:
     posture_rate: float = 0.0
     nominal_position: list[float] = field(default_factory=list)
     velocity_limits: list[float] = field(default_factory=list)
+    default_velocity_limit: float = DEFAULT_VELOCITY_LIMIT
     acceleration_limits: list[float] = field(default_factory=list)
     restart_search: bool = False
     restart_speed: float = 1.5
@@ -111,6 +117,7 @@ class FuzzyIkConfig:
             self,
             error_limit=inf,
             max_joint_step=inf,
+            default_velocity_limit=inf,
             limit_margin=0.0,
             singularity_nudge=0.0,
             supervisor=dataclasses.replace(self.supervisor, calming=1.0),
@@ -143,8 +150,9 @@ class FuzzyIkConfig:
         return 1.0 / self.control_rate
 
     def speeds(self, arm: PlantArm) -> Array:
-        """Limits of speed (n,), the arm's too [rad/s or m/s]."""
-        return _least("velocity_limits", self.velocity_limits, arm.velocity_limits)
+        """Limits of speed (n,), the arm's too, by default where there is none [rad/s or m/s]."""
+        speeds = _least("velocity_limits", self.velocity_limits, arm.velocity_limits)
+        return np.where(np.isfinite(speeds), speeds, self.default_velocity_limit)
 
     def accelerations(self, arm: PlantArm) -> Array:
         """Limits of acceleration (n,), the arm's too [rad/s² or m/s²]."""
@@ -165,7 +173,7 @@ class FuzzyIkConfig:
             check_flag(name, getattr(self, name))
         check_positive_finite("characteristic_length", self.characteristic_length, "m")
         check_positive_finite("control_rate", self.control_rate, "Hz")
-        for name in ("error_limit", "tolerance", "max_joint_step"):
+        for name in ("error_limit", "tolerance", "max_joint_step", "default_velocity_limit"):
             check_positive(name, getattr(self, name))
         for name in ("restart_speed", "following_time"):
             check_positive(name, getattr(self, name))

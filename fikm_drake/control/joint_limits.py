@@ -65,15 +65,7 @@ class JointLimits:
             position: of the command (n,) [rad or m].
             velocity: the change of the command in the last cycle over the period (n,) [rad/s or m/s].
         """
-        low, high = self.steady_bounds(position)
-        if self.brakes:
-            last = velocity * self._period
-            slower, faster = last - self._change, last + self._change
-            low, high = (
-                np.minimum(np.maximum(low, slower), high),
-                np.maximum(np.minimum(high, faster), low),
-            )
-        return low, high
+        return self.changing_bounds(*self.steady_bounds(position), velocity)
 
     def steady_bounds(self, position: Array) -> tuple[Array, Array]:
         """The same (n,), (n,) by the limits of position and speed alone, whatever the last step was."""
@@ -84,6 +76,17 @@ class JointLimits:
         if self._fast:
             low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
         return low, high
+
+    def changing_bounds(self, low: Array, high: Array, velocity: Array) -> tuple[Array, Array]:
+        """The bounds of `steady_bounds`, narrowed to what acceleration allows after the last step."""
+        if not self.brakes:
+            return low, high
+        last = velocity * self._period
+        slower, faster = last - self._change, last + self._change
+        return (
+            np.minimum(np.maximum(low, slower), high),
+            np.maximum(np.minimum(high, faster), low),
+        )
 
     def brakeable(self, step: Array) -> Array:
         """The step (n,), shortened as a whole so that each joint's can be braked within its own length.

@@ -11,7 +11,7 @@ from fikm_drake.checks import check_not_negative, check_number, check_position, 
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
-from fikm_drake.control.saturation import resolve
+from fikm_drake.control.saturation import BRAKING_GAIN, GAIN, resolve
 from fikm_drake.control.steps import length
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.laws.law import Law
@@ -72,8 +72,9 @@ class SafeStep:
         q: Array,
         J: Array,
         error: Array,
+        low: Array,
+        high: Array,
         limits: JointLimits,
-        command: Array,
         damping: float | None = None,
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
@@ -86,14 +87,14 @@ class SafeStep:
             q: joint positions (n,) [rad or m].
             J: the task Jacobian at q (m,n).
             error: task error (m,) [m].
+            low: least step of each joint (n,), of `limits.steady_bounds` [rad or m].
+            high: greatest step of each joint (n,) [rad or m].
             limits: of the joints.
-            command: commanded joint positions (n,), from which the step is taken [rad or m].
             damping: for a law that takes it [-], else None.
         """
         free, weights, secondary = self._free(q, J, error, damping)
         short = self._short(free, error)
         step = limits.brakeable(short)
-        low, high = limits.steady_bounds(command)
         if (np.minimum(np.maximum(step, low), high) == step).all():
             return step, step is not short
         kept = limits.shorten(step)
@@ -108,8 +109,10 @@ class SafeStep:
             share = length(step) / max(length(free), length(step), 1e-300)
             error = share * error
             secondary = None if secondary is None else share * secondary
-        step = resolve(solve, J, error, step, low, high, shortened=kept, secondary=secondary)
-        return step, True
+        gain = BRAKING_GAIN if limits.brakes else GAIN
+        return resolve(
+            solve, J, error, step, low, high, shortened=kept, secondary=secondary, gain=gain
+        ), True
 
     def _free(
         self, q: Array, J: Array, error: Array, damping: float | None

@@ -151,4 +151,5 @@ class DifferentialIk(LeafSystem):
         J = self._task.jacobian(q)
         if self._limits is None:
             return self._safe_step(q, J, error, damping), False
-        return self._safe_step.inside(q, J, error, self._limits, self._command(context), damping)
+        low, high = self._limits.steady_bounds(self._command(context))
+        return self._safe_step.inside(q, J, error, low, high, self._limits, damping)

@@ -148,7 +148,8 @@ def test_neighbours_step_aside_against_each_other(size):
 def limited(safe, J, error, **limits):
     """The step inside limits from rest, whether they took a part away, and the bounds."""
     bounds = JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=0.01, **limits)
-    return *safe.inside(Q, J, error, bounds, Q), *bounds.steady_bounds(Q)
+    low, high = bounds.steady_bounds(Q)
+    return *safe.inside(Q, J, error, low, high, bounds), low, high
 
 
 def test_inside_wide_limits_it_is_the_step_itself():

@@ -21,7 +21,11 @@ def test_no_cycle_moves_further_than_the_longest_step(calming, plant_with, run, 
     """Two iterations at a stretched arm ask for far more."""
     supervisor = fd.GainSupervisorConfig(calming=calming)
     config = fd.FuzzyIkConfig(
-        law=fd.FuzzyMapping(iterations=2), fused=fused, task="xy", supervisor=supervisor
+        law=fd.FuzzyMapping(iterations=2),
+        fused=fused,
+        task="xy",
+        supervisor=supervisor,
+        default_velocity_limit=np.inf,
     )
     moved = {}
     for longest in (0.5, np.inf):
