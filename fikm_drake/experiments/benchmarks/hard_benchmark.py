@@ -78,8 +78,12 @@ def loops() -> dict[str, Loop]:
     """The methods: a scenario to the joint positions (N,n) after each cycle."""
     gain_1 = GainSupervisorConfig(gains=[1.0] * 3, oscillating_gains=[1.0] * 3)
     sharp = FuzzyIkConfig(
-        law=FuzzyMapping(iterations=3, damping=0.05, row_floor=0.05), supervisor=gain_1
-    ).resolved_rate()
+        law=FuzzyMapping(iterations=3, damping=0.05, row_floor=0.05),
+        supervisor=gain_1,  # calm stays, which `resolved_rate` would leave out
+        gain_smoothing=0.0,
+        error_smoothing=0.0,
+        singularity_nudge=0.0,
+    )
     return {
         "fuzzy, as in the paper": partial(_ours, FuzzyIkConfig().as_in_paper()),
         "fuzzy, calm (default)": partial(_ours, FuzzyIkConfig()),
