@@ -11,9 +11,15 @@ from numpy.typing import ArrayLike
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_below_one, check_counts, check_not_negative
 from fikm_drake.fuzzy.rule_base import RuleBase
+from fikm_drake.kinematics.native.kernel import kernel
+from fikm_drake.kinematics.native.native_step import NativeStep
 from fikm_drake.laws.conjugate_gradients import conjugate_gradients, conjugate_gradients_of_one
 from fikm_drake.laws.law import as_arrays
-from fikm_drake.laws.normal_equations import normal_equations, normal_equations_of_one
+from fikm_drake.laws.normal_equations import (
+    LARGEST_GROWTH,
+    normal_equations,
+    normal_equations_of_one,
+)
 from fikm_drake.laws.rule_generation.generate import generate_rule_base
 
 METHODS = ("indirect", "direct")
@@ -158,6 +164,20 @@ class FuzzyMapping:
         """The same for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
         if self.method == "direct":
             return self(J, dr)
+        native = _native_step()
+        solve = self.iterations >= len(J) and self.iterations > 1
+        if native and (solve or self.iterations == 1):
+            step = native(
+                J,
+                dr,
+                self.row_floor if solve else hypot(self.row_floor, damping),
+                self.column_floor,
+                self.zero_threshold,
+                hypot(self.damping, damping),
+                LARGEST_GROWTH if solve else 0.0,
+            )
+            if step is not None:
+                return step
         A = np.abs(J)
         m, n = A.shape
         rows, columns = A.dot(_ones(n)), _ones(m).dot(A)
@@ -221,6 +241,12 @@ class FuzzyMapping:
 
 
 _ones = cache(np.ones)
+
+
+@cache
+def _native_step() -> NativeStep | None:
+    loaded = kernel()
+    return NativeStep(loaded) if loaded else None
 
 
 def fit_to_range(law: Any, task: Any) -> Any:

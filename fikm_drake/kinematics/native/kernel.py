@@ -46,6 +46,7 @@ class Kernel:
             )
             self.kinematics = getattr(loaded, f"fikm_kinematics_{self.instruction_set}")
             self.solve = getattr(loaded, f"fikm_solve_{self.instruction_set}")
+            self.step = loaded.fikm_step
         except (AttributeError, ValueError, StopIteration) as error:
             raise OSError(f"{library} is no native kernel: {error}") from error
         self.kinematics.argtypes = [_POINTER, _INT, _LONG, _POINTER, _POINTER, _POINTER]
@@ -53,6 +54,8 @@ class Kernel:
         self.solve.argtypes = [_POINTER, _INT, _POINTER, _POINTER, _POINTER, _INT, _LONG]
         self.solve.argtypes += [_POINTER, _POINTER, _LONG, _POINTER, _POINTER]
         self.solve.restype = _INT
+        self.step.argtypes = [_INT, _INT, _POINTER, _POINTER, *[ctypes.c_double] * 5, _POINTER]
+        self.step.restype = _INT
 
 
 def address(array: Array) -> int:
