@@ -161,6 +161,7 @@ class ControlCycle:
                 tolerance=config.tolerance,
                 pace=config.restart_speed * config.period,
                 limits=self.limits,
+                clearance=self.clearance,
             )
         self.distance = following_distance(config.speeds(arm), config.following_time)
         self._rate = 1.0 / config.period  # rounded as in JointIntegrator
@@ -245,7 +246,7 @@ class ControlCycle:
         if others is not None:
             state.others[:] = others
         if self.restart and tick.valid:
-            self.restart.remember(state.restart, target, q, tick.error_length)
+            self.restart.remember(state.restart, target, q, tick.error_length, others)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
         after = self.limits.add(state.command, tick.joint_step)

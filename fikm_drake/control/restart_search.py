@@ -9,6 +9,8 @@ import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive
+from fikm_drake.control.clear_way import ClearWay
+from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.safe_step import SafeStep, aside
@@ -36,6 +38,8 @@ ZONE = 0.05
 """Of the joint limits in the search [rad or m]."""
 NEAR = 1e-3
 """Distance at which a posture is reached [rad or m]."""
+PASSED = 0.02
+"""Distance at which a posture in between is passed [rad or m]."""
 LANDING = 0.25
 """Of what is left of a way a cycle takes at most this fraction, so that filters of the error settle [-]."""
 LATE = 3.0
@@ -69,7 +73,8 @@ class RestartSearch:
     the search; the last error, or the start; the least error, or that at the last look at the search's
     progress; then a posture (n,), of the last cycle or of the search.
 
-    The way is not checked for collisions.
+    With a `clearance` the posture and the way to it are clear, looked at as finely as the joints move: the
+    straight way, or one with a posture in between (`ClearWay`); else the search goes on.
 
     Args:
         kinematics: (target, q) to the task error (m,) and Jacobian (m,n).
@@ -79,6 +84,7 @@ class RestartSearch:
         tolerance: an error up to this is solved [m].
         pace: largest joint motion in a cycle on the way [rad or m].
         limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
+        clearance: what the way keeps clear of; None: nothing.
     """
 
     def __init__(
@@ -91,8 +97,10 @@ class RestartSearch:
         tolerance: float,
         pace: float,
         limits: JointLimits | None = None,
+        clearance: Clearance | None = None,
     ) -> None:
         self._limits = limits
+        self._own, self._rest = slice(4, 4 + len(lower)), slice(4 + len(lower), None)
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
         self._tolerance, self._pace = tolerance, pace
@@ -102,10 +110,16 @@ class RestartSearch:
         self._free = ~np.isfinite(upper - lower)
         low, high = (np.where(self._free, sign * np.pi, x) for sign, x in ((-1, lower), (1, upper)))
         self._starts = low + (high - low) * np.random.default_rng(0).random((STARTS, len(lower)))
+        self._way = None
+        if clearance is not None:
+            self._way = ClearWay(
+                clearance, pace=pace, lower=lower, upper=upper, starts=self._starts
+            )
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
-        return np.zeros(4 + len(self._lower))
+        way = self._way.initial_memory() if self._way else np.zeros(0)
+        return np.concatenate([np.zeros(4 + len(self._lower)), way])
 
     def state(self, memory: Array) -> RestartState:
         """What the restart search does."""
@@ -115,11 +129,14 @@ class RestartSearch:
         """The joint step (n,): on the way that to the posture, else the law's `joint_step`."""
         if memory[0] != RestartState.UNDERWAY:
             return joint_step
-        way = memory[4:] - q
+        via = self._way.via(memory[self._rest]) if self._way else None
+        way = (memory[self._own] if via is None else via) - q
         way = way * min(LANDING, self._pace / max(float(np.abs(way).max()), 1e-300))
         return self._limits.shorten(self._limits.brakeable(way)) if self._limits else way
 
-    def remember(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+    def remember(
+        self, memory: Array, desired: Any, q: Array, error: float, others: Array | None = None
+    ) -> None:
         """Write a cycle into `memory`: watch the law, search, or see whether the way is done.
 
         Args:
@@ -127,6 +144,7 @@ class RestartSearch:
             desired: the target, as `kinematics` takes it.
             q: joint positions (n,) [rad or m].
             error: length of the task error [m].
+            others: where obstacles are (p,), see `Clearance`; None: where they are by default.
         """
         state = memory[0]
         if not error < inf or (error <= self._tolerance and state != RestartState.UNDERWAY):
@@ -136,7 +154,7 @@ class RestartSearch:
         elif state == RestartState.SEARCHING:
             for _ in range(LOOKS):
                 if memory[0] == RestartState.SEARCHING:
-                    self._look(memory, desired, q, error)
+                    self._look(memory, desired, q, error, others)
         elif state == RestartState.UNDERWAY:
             self._arrive(memory, desired, q)
         elif abs(error - memory[3]) > max(self._tolerance, 0.1 * memory[3]):
@@ -145,25 +163,34 @@ class RestartSearch:
     def _watch(self, memory: Array, desired: Any, q: Array, error: float) -> None:
         """Begin to search if the law does not approach a target that rests."""
         _, quiet, last_error, least = memory[:4]
-        moved = abs(length(self._kinematics(desired, memory[4:])[0]) - last_error)
+        moved = abs(length(self._kinematics(desired, memory[self._own])[0]) - last_error)
         if moved > 0.1 * self._tolerance or error < (1.0 - APPROACH) * least:
             quiet, least = 0, error
         else:
-            quiet += 3 if length(q - memory[4:]) < AT_REST * error else 1
+            quiet += 3 if length(q - memory[self._own]) < AT_REST * error else 1
         if quiet < PATIENCE:
-            memory[1:4], memory[4:] = (quiet, error, least), q
+            memory[1:4], memory[self._own] = (quiet, error, least), q
         else:
-            memory[:4] = RestartState.SEARCHING, 0, 0, error
-            memory[4:] = self._aside(q)
+            memory[:4], memory[self._rest] = (RestartState.SEARCHING, 0, 0, error), 0.0
+            memory[self._own] = self._aside(q)
 
-    def _look(self, memory: Array, desired: Any, q: Array, error: float) -> None:
+    def _look(
+        self, memory: Array, desired: Any, q: Array, error: float, others: Array | None
+    ) -> None:
         """One step of the search."""
-        posture = memory[4:]
+        posture = memory[self._own]
         dr, J = self._kinematics(desired, posture)
         size = length(dr)
         if size <= 0.5 * self._tolerance:
-            cycles = np.abs(posture - q).max() / self._pace
-            memory[:3] = RestartState.UNDERWAY, -LATE * cycles - PATIENCE, 0
+            way = float(np.abs(posture - q).max())
+            if self._way:
+                found = self._way.look(memory[self._rest], q, posture, others)
+                if found is False:
+                    self._start_again(memory, desired, q, error)
+                if not found:
+                    return
+                way = self._way.length(memory[self._rest], q, posture)
+            memory[:3] = RestartState.UNDERWAY, -LATE * way / self._pace - PATIENCE, 0
             return
         if memory[1] % WINDOW == 0:
             if memory[1] and size > (1.0 - PROGRESS) * min(memory[3], ERROR_LIMIT):
@@ -173,7 +200,7 @@ class RestartSearch:
         if size > ERROR_LIMIT:
             dr = dr * (ERROR_LIMIT / size)
         step = self._search_step(posture, J, dr, 0.1 * min(size, ERROR_LIMIT) ** 0.5)
-        memory[4:] = np.clip(posture + step, self._lower, self._upper)
+        memory[self._own] = np.clip(posture + step, self._lower, self._upper)
         memory[1] += 1
 
     def _start_again(self, memory: Array, desired: Any, q: Array, error: float) -> None:
@@ -184,14 +211,17 @@ class RestartSearch:
         starts = self._starts + np.where(self._free, q, 0.0)
         starts = np.clip(starts, self._lower, self._upper)
         sizes = [length(self._kinematics(desired, s)[0]) for s in starts]
-        memory[1:4] = 0, start + 1, 0
-        memory[4:] = starts[np.argsort(sizes, kind="stable")[start]]
+        memory[1:4], memory[self._rest] = (0, start + 1, 0), 0.0
+        memory[self._own] = starts[np.argsort(sizes, kind="stable")[start]]
 
     def _arrive(self, memory: Array, desired: Any, q: Array) -> None:
         """Leave it to the law at the end of the way, if it takes too long or if the target moved."""
         memory[1] += 1
-        lost = length(self._kinematics(desired, memory[4:])[0]) > 10.0 * self._tolerance
-        if memory[1] >= 0 or lost or np.abs(memory[4:] - q).max() <= NEAR:
+        via = self._way.via(memory[self._rest]) if self._way else None
+        if self._way and via is not None and np.abs(via - q).max() <= PASSED:
+            self._way.pass_via(memory[self._rest])
+        lost = length(self._kinematics(desired, memory[self._own])[0]) > 10.0 * self._tolerance
+        if memory[1] >= 0 or lost or np.abs(memory[self._own] - q).max() <= NEAR:
             memory[:4] = 0.0
 
     def _aside(self, q: Array) -> Array:
@@ -200,7 +230,12 @@ class RestartSearch:
 
 
 def make_restart_search(
-    task: TaskKinematics, *, tolerance: float, pace: float, limits: JointLimits | None = None
+    task: TaskKinematics,
+    *,
+    tolerance: float,
+    pace: float,
+    limits: JointLimits | None = None,
+    clearance: Clearance | None = None,
 ) -> RestartSearch:
     """The restart search of a task's arm.
 
@@ -209,6 +244,7 @@ def make_restart_search(
         tolerance: a task error up to this is no reason for a search [m].
         pace: largest joint motion in a cycle on the way [rad or m].
         limits: of the joints; None: none.
+        clearance: what the way keeps clear of; None: nothing.
 
     Raises:
         ValueError: naming the bad value.
@@ -221,4 +257,5 @@ def make_restart_search(
         tolerance=check_positive("tolerance", tolerance),
         pace=check_positive("pace", pace),
         limits=limits,
+        clearance=clearance,
     )

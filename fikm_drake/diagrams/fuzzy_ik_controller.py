@@ -186,12 +186,16 @@ class FuzzyIkController(Diagram):
             wire(supervisor, "damping", ik, "damping")
         source: System = ik  # of the joint step
         seers: list[System] = [error, ik]  # blocks that need the joints
+        exported: set[str] = set()
         extra: list[InputPort] = []  # to export after those that are always there
         if config.null_space_motion:
             source = add("null_space_filter", NullSpaceFilter(task, period=period))
             wire(ik, "joint_step", source, "law_step")
             extra.append(source.GetInputPort("null_space_motion"))
             seers.append(source)
+        clearance = None
+        if collision_checker is not None:
+            clearance = make_clearance(arm, collision_checker, config.clearance, period)
         if config.restart_search:
             planner = add(
                 "restart_planner",
@@ -202,6 +206,7 @@ class FuzzyIkController(Diagram):
                     tolerance=config.tolerance,
                     speed=config.restart_speed,
                     limits=limits,
+                    clearance=clearance,
                 ),
             )
             wire(source, "joint_step", planner, "law_step")
@@ -209,8 +214,7 @@ class FuzzyIkController(Diagram):
             source = planner
             seers.append(planner)
         self._clear = None
-        if collision_checker is not None:
-            clearance = make_clearance(arm, collision_checker, config.clearance, period)
+        if clearance is not None:
             clear = add("clearance_filter", ClearanceFilter(clearance, task=task, limits=limits))
             wire(source, "joint_step", clear, "asked_step")
             wire(integrator, "position", clear, "command")
@@ -220,6 +224,8 @@ class FuzzyIkController(Diagram):
             seers.append(clear)
             if clear.HasInputPort("obstacle_position"):
                 extra.append(clear.GetInputPort("obstacle_position"))
+                if config.restart_search:
+                    extra.append(planner.GetInputPort("obstacle_position"))
         wire(source, "joint_step", guard, "joint_step")
         wire(ik, "limited", guard, "limited")
         for block in (ik, guard):
@@ -241,7 +247,11 @@ class FuzzyIkController(Diagram):
             builder.ConnectInput(desired.get_name(), planner.GetInputPort(desired.get_name()))
         builder.ExportInput(integrator.GetInputPort("estimated_position"), "estimated_position")
         for port in extra:
-            builder.ExportInput(port, port.get_name())
+            if port.get_name() in exported:
+                builder.ConnectInput(port.get_name(), port)
+            else:
+                builder.ExportInput(port, port.get_name())
+                exported.add(port.get_name())
         for block in seers:
             if not config.measured_position:
                 wire(integrator, "position", block, "position")

@@ -7,6 +7,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.checks import check_period, check_positive
+from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import make_restart_search
 from fikm_drake.control.steps import all_finite, length
@@ -33,6 +34,7 @@ class RestartPlanner(LeafSystem):
     - **desired_position** (m) [m]: as of `TaskError`; for tasks with orientation **desired_pose**.
     - **position** (n) [rad or m]: the joints.
     - **law_step** (n) [rad or m]: the law's joint step of this cycle, as of `DifferentialIk`.
+    - **obstacle_position** (p): as of `ClearanceFilter`; exists with a `clearance` only.
     - **joint_step** (n) [rad or m]: that step, or on a restart search the one to the posture that was found;
       zeros while an input is not finite.
     - **restart_search** (1): a `RestartState`, from the state.
@@ -46,6 +48,7 @@ class RestartPlanner(LeafSystem):
         tolerance: a task error up to this is no reason for a restart search [m].
         speed: of the fastest joint on a restart search [rad/s or m/s].
         limits: of the joints, kept on the way as well; None: none.
+        clearance: what the way keeps clear of; None: nothing.
 
     Raises:
         ValueError: naming the bad value.
@@ -61,18 +64,23 @@ class RestartPlanner(LeafSystem):
         tolerance: float = 1e-3,
         speed: float = 1.5,
         limits: JointLimits | None = None,
+        clearance: Clearance | None = None,
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
         pace = check_positive("speed", speed) * check_period(period)
         self._restart = make_restart_search(
-            self._task, tolerance=tolerance, pace=pace, limits=limits
+            self._task, tolerance=tolerance, pace=pace, limits=limits, clearance=clearance
         )
         n = self._task.arm.num_joints
         self._hold = np.zeros(n)
         self._desired = self._task.declare_target(self).Eval
         self._position = self.DeclareVectorInputPort("position", n).Eval
         self._step = self.DeclareVectorInputPort("law_step", n).Eval
+        self._others = None
+        if clearance is not None and len(clearance.default_others):
+            count = len(clearance.default_others)
+            self._others = self.DeclareVectorInputPort("obstacle_position", count)
         self.DeclareDiscreteState(self._restart.initial_memory())
         self.DeclareVectorOutputPort(
             "joint_step",
@@ -103,6 +111,8 @@ class RestartPlanner(LeafSystem):
         desired, q, step = self._desired(context), self._position(context), self._step(context)
         error = length(self._task.error(desired, q))
         if isfinite(error) and all_finite(step):
-            self._restart.remember(memory, desired, q, error)
+            seen = self._others is not None and self._others.HasValue(context)
+            others = self._others.Eval(context) if self._others is not None and seen else None
+            self._restart.remember(memory, desired, q, error, others)
         else:
             memory[:] = self._restart.initial_memory()

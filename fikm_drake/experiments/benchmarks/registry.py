@@ -13,6 +13,7 @@ from fikm_drake.experiments.benchmarks import (
     hard_benchmark,
     labvolt_benchmark,
     mamdani_benchmark,
+    obstacles_benchmark,
     pose_benchmark,
     rate_benchmark,
     self_motion_benchmark,
@@ -55,6 +56,9 @@ BENCHMARKS = {
         "seconds",
         10,
         hard_benchmark.table,
+    ),
+    "obstacles": Benchmark(
+        "past obstacles, beside Drake's differential IK", "scenes", 3, obstacles_benchmark.table
     ),
     "poses": Benchmark(
         "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table
