@@ -9,9 +9,9 @@ from fikm_drake.control.clearance import Clearance
 
 CHECKS = 6
 """Postures that are looked at in a look [-]."""
-VIAS = 10
+VIAS = 16
 """Ways with a posture in between that are tried after the straight one [-]."""
-ASIDE = 0.6
+ASIDE = 0.8
 """How far from the middle of the way toward a random posture such a posture is [-]."""
 
 

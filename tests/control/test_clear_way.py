@@ -24,7 +24,7 @@ def way(*shapes, pace=0.02):
     checker = fd.MakeCollisionChecker(ARM, populate)
     guard = fd.Clearance(checker, period=0.01)
     low, high = np.maximum(ARM.lower, -np.pi), np.minimum(ARM.upper, np.pi)
-    starts = low + (high - low) * np.random.default_rng(0).random((20, 2))
+    starts = low + (high - low) * np.random.default_rng(0).random((40, 2))
     return ClearWay(guard, pace=pace, lower=low, upper=high, starts=starts), guard
 
 
@@ -45,8 +45,8 @@ def test_a_free_way_is_straight_and_looked_at_as_finely_as_the_motion():
 
 
 def test_round_an_obstacle_there_is_a_bend_and_all_of_it_is_clear():
-    finder, guard = way((Sphere(0.2), [1.7, 0.6, 0.0]))
-    q, posture = np.array([0.0, 0.1]), np.array([0.9, 0.1])
+    finder, guard = way((Sphere(0.12), [1.3, 0.5, 0.0]))
+    q, posture = np.array([-0.9, 0.1]), np.array([1.8, 0.1])
     assert guard.is_clear(q) and guard.is_clear(posture)
     found, memory, _ = look(finder, q, posture)
     assert found
@@ -59,7 +59,7 @@ def test_round_an_obstacle_there_is_a_bend_and_all_of_it_is_clear():
 
 
 def test_a_posture_that_is_not_clear_is_given_up_at_once():
-    finder, _ = way((Sphere(0.2), [0.0, 1.8, 0.0]))
+    finder, _ = way((Sphere(0.2), [0.0, 1.4, 0.0]))
     found, _, calls = look(finder, np.zeros(2), np.array([np.pi / 2, 0.1]))
     assert found is False and calls == 1
 

@@ -157,7 +157,7 @@ def _second_arm(
     middle = 0.5 * (tool + target)
     out = middle[:2] / max(float(np.linalg.norm(middle[:2])), 1e-9)
     X = RigidTransform(
-        RollPitchYaw(0.0, 0.0, rng.uniform(-3.0, 3.0)), [*(middle[:2] + 0.35 * out), 0.0]
+        RollPitchYaw(0.0, 0.0, rng.uniform(-3.0, 3.0)), [*(middle[:2] + 0.12 * out), 0.0]
     )
 
     def populate(robot: RobotDiagramBuilder) -> None:
