@@ -138,6 +138,7 @@ from fikm_drake.systems.null_space_filter import NullSpaceFilter
 from fikm_drake.systems.null_space_motion import NullSpaceMotion
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.restart_planner import RestartPlanner
+from fikm_drake.systems.slow_feedback import SlowFeedback
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.target_in_frame import TargetInFrame
 from fikm_drake.systems.target_source import TargetSource
@@ -259,6 +260,7 @@ __all__ = [
     "Solution",
     "Solver",
     "SolverStatus",
+    "SlowFeedback",
     "StatusMonitor",
     "SupervisedDifferentialIk",
     "TargetInFrame",

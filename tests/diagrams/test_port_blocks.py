@@ -75,6 +75,7 @@ MAKERS = {
     "RedundancyIk": lambda p: fd.RedundancyIk(
         fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
     ),
+    "SlowFeedback": lambda p: fd.SlowFeedback(7, period=PERIOD),
     "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True, blocked=True),
     "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
     "TaskError": lambda p: fd.TaskError(p),

@@ -36,6 +36,7 @@ from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.systems.slow_feedback import SlowFeedback
 
 ARM, START = "iiwa14", np.array([0.3, 0.6, 0.2, -1.4, -0.2, 0.9, 0.1])
 """The arm and its joints at the start of the path [rad]."""
@@ -49,7 +50,7 @@ STIFFNESS = (100.0, 1000.0)
 """kp of the inner loop, critically damped, of joints of unit inertia [1/s²]."""
 DELAYS = (0, 5)
 """Of the measurement [samples of 1 ms]."""
-NOISE = (0.0, 1e-3)
+NOISE = (1e-3,)
 """Of the measurement, standard deviation [rad]."""
 
 Connect = Callable[[DiagramBuilder, MultibodyPlant, System, System], System]
@@ -83,6 +84,9 @@ def controllers() -> dict[str, Connect]:
         "fuzzy, default, measured": partial(_ours, measured(pose_config())),
         "fuzzy, resolved rate, open loop": partial(_ours, pose_config().resolved_rate()),
         "fuzzy, resolved rate, measured": partial(_ours, measured(pose_config()).resolved_rate()),
+        "fuzzy, resolved rate, slow feedback": partial(
+            _slow, measured(pose_config()).resolved_rate()
+        ),
         "Drake's integrator, open loop": partial(_drake, use_robot_state=False),
         "Drake's integrator, measured": partial(_drake, use_robot_state=True),
     }
@@ -239,6 +243,23 @@ def _ours(
         builder.Connect(
             robot.GetOutputPort("measured"), controller.GetInputPort("estimated_position")
         )
+    return controller
+
+
+def _slow(
+    config: FuzzyIkConfig,
+    builder: DiagramBuilder,
+    plant: MultibodyPlant,
+    path: System,
+    robot: System,
+) -> System:
+    controller = AddFuzzyIkController(builder, plant, config=config)
+    slow = builder.AddSystem(SlowFeedback(plant.num_positions(), period=config.period))
+    builder.Connect(path.get_output_port(), controller.get_input_port(0))
+    builder.Connect(robot.GetOutputPort("measured"), slow.GetInputPort("measured_position"))
+    command = controller.GetOutputPort("commanded_position")
+    builder.Connect(command, slow.GetInputPort("commanded_position"))
+    builder.Connect(slow.get_output_port(0), controller.GetInputPort("estimated_position"))
     return controller
 
 
