@@ -8,6 +8,7 @@ from fikm_drake.experiments.reproduce.labvolt import (
     EXPERIMENTS,
     figures,
     findings,
+    open_choices,
     runs,
     tables,
 )
@@ -18,15 +19,15 @@ from fikm_drake.experiments.reproduce.labvolt.runs import PAPER
 def fewer_targets():
     """In every module that counts them."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (runs, tables, figures, findings):
+        for module in (runs, tables, figures, findings, open_choices):
             patch.setattr(module, "FEW", 40, raising=False)
             patch.setattr(module, "MANY", 400, raising=False)
         for name, count in (("REACHABLE", 500), ("ANYWHERE", 600), ("CHECKED", 30)):
             patch.setattr(findings, name, count)
-        for cached in (runs.targets, runs.many, runs.few):
+        for cached in (runs.targets, runs.many, runs.few, runs.bare):
             cached.cache_clear()
         yield
-    for cached in (runs.targets, runs.many, runs.few):
+    for cached in (runs.targets, runs.many, runs.few, runs.bare):
         cached.cache_clear()
 
 

@@ -1,6 +1,7 @@
 """Paper 3, Kim & Lee 1993: Table 1, figures 4, 6 and 7, and past them (`fikm-drake reproduce frmrc`)."""
 
 from fikm_drake.experiments.reproduce.frmrc.look_up import look_up_table
+from fikm_drake.experiments.reproduce.frmrc.open_choices import readings
 from fikm_drake.experiments.reproduce.frmrc.past import controller, descent, out_of_reach
 from fikm_drake.experiments.reproduce.frmrc.random_lines import lines, starts
 from fikm_drake.experiments.reproduce.frmrc.rules import table_1
@@ -12,6 +13,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 6": figure_6,
     "figure 7": figure_7,
     "cycles": cycles,
+    "readings": readings,
     "starts": starts,
     "lines": lines,
     "descent": descent,

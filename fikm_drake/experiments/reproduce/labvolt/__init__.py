@@ -2,6 +2,7 @@
 
 from fikm_drake.experiments.reproduce.labvolt.figures import figure_5, figure_6, figure_9
 from fikm_drake.experiments.reproduce.labvolt.findings import reach, rounding, rules, starts
+from fikm_drake.experiments.reproduce.labvolt.open_choices import readings
 from fikm_drake.experiments.reproduce.labvolt.tables import table_3, table_4
 from fikm_drake.experiments.reproduce.report import Experiment
 
@@ -14,6 +15,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "table 4": table_4,
     "starts": starts,
     "reach": reach,
+    "readings": readings,
     "rounding": rounding,
 }
 """What can be reproduced."""

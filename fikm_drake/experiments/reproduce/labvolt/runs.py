@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.solvers.labvolt.fuzzy_starts import default_starts
 from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
@@ -73,6 +74,29 @@ def few() -> dict[str, Run]:
             times[i] = 1e3 * (time.process_time() - start)
         runs[name] = Run(errors, times)
     return runs
+
+
+@cache
+def bare() -> dict[str, Array]:
+    """CPU time (FEW,) [ms] of the SQP alone by its start: no `solve` around it to read and check."""
+    points, geometry, program = targets(FEW), labvolt(), _program(False)
+    low, high = geometry.lower, geometry.upper
+    random, starts = np.random.default_rng(0).uniform(low, high, (FEW, 3)), default_starts()
+    ways = {
+        RANDOM_START: lambda i: random[i],
+        "sqp": lambda i: geometry.middle,
+        "hybrid_sqp": lambda i: starts.posture(points[i][:, None])[:, 0],
+    }
+    found = {}
+    for name, start in ways.items():
+        program.reach(points[0], start(0))
+        times = np.empty(FEW)
+        for i, point in enumerate(points):
+            began = time.process_time()
+            program.reach(point, start(i))
+            times[i] = 1e3 * (time.process_time() - began)
+        found[name] = times
+    return found
 
 
 def random_start_errors(points: Array, *, absolute: bool = False, seed: int = 0) -> Array:
