@@ -120,7 +120,7 @@ class MotionWindows:
         shifted = target - memory["last_target"]
         row[self._error], row[self._target] = moved, shifted
         sizes = np.abs(step)
-        largest = max(float(sizes.max()), FADING * float(memory["largest"]))
+        largest = max(float(np.maximum.reduce(sizes)), FADING * float(memory["largest"]))
         row[self._flips] = 0.0 if flips is None else flips * (sizes > DOMINANT * largest)
         fall = last_size - size
         shift = float(shifted.dot(shifted)) ** 0.5
@@ -154,19 +154,8 @@ class MotionWindows:
             nets, sums[:, self._lengths].tolist(), sums[:, self._flips].tolist(), known
         ):
             most = max(flips)
-            motions.append(
-                Motion(
-                    net_step=step,
-                    path_step=lengths[0],
-                    path_error=lengths[1],
-                    net_error=error,
-                    net_target=target,
-                    path_target=lengths[2],
-                    changes=most,
-                    joint=flips.index(most),
-                    mean_error=lengths[3] / count if count else inf,
-                    fall=lengths[4],
-                    rough=lengths[5],
-                )
-            )
+            path_step, path_error, path_target, total, fall, rough = lengths
+            mean = total / count if count else inf
+            paths = (step, path_step, path_error, error, target, path_target)
+            motions.append(Motion(*paths, most, flips.index(most), mean, fall, rough))
         return motions[0], motions[1]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fikm_drake as fd
-from fikm_drake.control.gain_supervision import LEAST_CALM
+from fikm_drake.control.calm_rule import LEAST_CALM
 
 AT_REST = np.zeros(1)
 """The target's coordinates."""
