@@ -15,6 +15,10 @@ CONSISTENT = 0.4
 EXPLAINED = 0.3
 """A target whose own jitter is above this fraction of the error's explains that joints shake [-]."""
 
+NOISY = 2.5
+"""Measured joints that stray by more than this times the joints' path have noise that explains it: a robot
+that is a cycle late strays by twice that path at most [-]."""
+
 STAYS = 0.85
 """An error above this fraction of its mean over the slow window does not fall [-]."""
 
@@ -55,7 +59,7 @@ class CalmRule:
     - one turns round `sign_changes` times within the fast window, or `slow_sign_changes` times within
       the slow one while the error stays; turns of joints that hardly move are left aside;
     - most of their motion in that window leads nowhere;
-    - the target's own jitter does not explain it.
+    - neither the target's own jitter nor noise of the measured joints explains it.
 
     Args:
         config: the constants of the supervisor.
@@ -107,7 +111,7 @@ class CalmRule:
     def undisturbed(self, calm: float, error: float, fast: Motion, *, rests: bool) -> float:
         """The calm of an arm that does not shake before a target out of the tolerance.
 
-        It grows while the error falls, and while the joints run on and the error changes, as behind a
+        It grows while the error falls by more than the target's own motion, and while the joints run on and the error changes, as behind a
         target that moves; if that is far away only the gain comes back, not what the damping stills. A flat
         error is that of an arm which creeps toward its best point: it stays calm, and becomes calmer.
 
@@ -120,7 +124,7 @@ class CalmRule:
         if calm == 1.0:
             return calm
         progress = PROGRESS * max(calm, LEAST_PROGRESS) * self._cycles * error
-        if fast.fall > max(progress, (1.0 - CONSISTENT) * fast.rough):
+        if fast.fall - fast.net_target > max(progress, (1.0 - CONSISTENT) * fast.rough):
             return self.awake(calm)
         runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
         if runs and abs(fast.fall) > CHANGES * error:
@@ -133,8 +137,8 @@ class CalmRule:
 
 
 def _to_and_fro(motion: Motion) -> bool:
-    """True if joints shake and not because the target does."""
+    """True if joints shake, and not because the target or their measurement does."""
+    if motion.cancelled <= CANCELLED or motion.path_deviation > NOISY * motion.path_step:
+        return False
     jitter = motion.path_target - motion.net_target
-    return motion.cancelled > CANCELLED and not (
-        jitter > EXPLAINED * (motion.path_error - motion.net_error)
-    )
+    return not jitter > EXPLAINED * (motion.path_error - motion.net_error)

@@ -249,13 +249,14 @@ class ControlCycle:
             self.restart.remember(state.restart, target, q, tick.error_length, others)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
+        deviation = q - state.command if self.config.measured_position else None
         after = self.limits.add(state.command, tick.joint_step)
         motion = after - state.command
         state.velocity[:] = motion * self._rate
         state.command[:] = after
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
         coordinates = self.task.target_coordinates(target)
-        self.supervision.remember(state.supervision, tick.error, motion, coordinates)
+        self.supervision.remember(state.supervision, tick.error, motion, coordinates, deviation)
 
     def status(
         self, state: CycleState, tick: Tick, measured: Array | None = None

@@ -151,7 +151,14 @@ class GainSupervision:
         named = self._named(memory)
         return bool(named["calm"] < CALMED_BELOW and named["rests"])
 
-    def remember(self, memory: Array, error: Array, joint_step: Array, target: Array) -> None:
+    def remember(
+        self,
+        memory: Array,
+        error: Array,
+        joint_step: Array,
+        target: Array,
+        deviation: Array | None = None,
+    ) -> None:
         """Write a cycle into `memory`.
 
         Args:
@@ -159,6 +166,7 @@ class GainSupervision:
             error: the task error (m,) [m].
             joint_step: (n,) [rad or m].
             target: its coordinates (c,), two of which are as far apart as the target moves [m].
+            deviation: of the measured joints from their command (n,), where they are measured [rad or m].
         """
         known, _, changes, watched = memory[:4].tolist()
         size = length(error)
@@ -201,10 +209,14 @@ class GainSupervision:
         if not (0.0 < size < HUGE and target.dot(target) < HUGE**2):
             # No error to go by: on from the last that was.
             error, target = named["last_error"], named["last_target"]
-            size = float(named["last_size"])
+            size, deviation = float(named["last_size"]), None
+        if deviation is not None and not deviation.dot(deviation) < HUGE**2:
+            deviation = None
         if size <= self._tolerance:  # to and fro there is nothing to calm
             joint_step, square, flips = 0.0 * joint_step, 0.0, None
-        shift = self._windows.add(named, size, error, target, joint_step, square**0.5, flips)
+        shift = self._windows.add(
+            named, size, error, target, joint_step, square**0.5, flips, deviation
+        )
         if calm < 1.0 or named["turns"] >= self._threshold:
             self._set_calm(named, size, shift)
 

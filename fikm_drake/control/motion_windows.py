@@ -37,6 +37,8 @@ class Motion(NamedTuple):
     """By how much that length fell [m]; negative: it rose."""
     rough: float
     """The path of that length [m]."""
+    path_deviation: float
+    """Of the measured joints beside their command [rad or m]."""
 
     @property
     def cancelled(self) -> float:
@@ -69,7 +71,7 @@ class MotionWindows:
         self._step, self._error, self._target, self._flips = (
             slice(a, b) for a, b in zip([0, *ends], ends)
         )
-        self._lengths = slice(ends[-1], ends[-1] + 6)
+        self._lengths = slice(ends[-1], ends[-1] + 7)
         self._starts = [0, *ends[:2]]
         self._nets = slice(0, ends[2])
         self._size = self._lengths.stop
@@ -85,6 +87,7 @@ class MotionWindows:
             ("last_size", "f8"),
             ("last_error", "f8", (self._error.stop - self._error.start,)),
             ("last_target", "f8", (self._target.stop - self._target.start,)),
+            ("last_deviation", "f8", (self._step.stop,)),
             ("rings", "f8", (2, self._rows, self._size)),
         ]
 
@@ -103,8 +106,11 @@ class MotionWindows:
         step: Array,
         length: float,
         flips: Array | None,
+        deviation: Array | None = None,
     ) -> float:
         """Write a cycle: error of length `size`, target, joint step and which joints turned round.
+
+        `deviation` (n) is of the measured joints from their command, where they are measured.
 
         Returns:
             how far the target moved in it [m].
@@ -112,7 +118,13 @@ class MotionWindows:
         cycles, last_size = int(memory["cycles"]), float(memory["last_size"])
         if last_size < 0.0:  # nothing to compare with
             memory["last_error"], memory["last_target"] = error, target
+            memory["last_deviation"] = 0.0 if deviation is None else deviation
             last_size = size
+        strayed = 0.0
+        if deviation is not None:
+            change = deviation - memory["last_deviation"]
+            strayed = float(change.dot(change)) ** 0.5
+            memory["last_deviation"] = deviation
         fast, slow = memory["rings"]
         row = fast[cycles % self._rows]
         row[self._step] = step
@@ -131,6 +143,7 @@ class MotionWindows:
             max(size, 0.0),
             fall,
             abs(fall),
+            strayed,
         )
         block = slow[cycles // self._block % self._rows]
         if cycles % self._block:
@@ -154,8 +167,8 @@ class MotionWindows:
             nets, sums[:, self._lengths].tolist(), sums[:, self._flips].tolist(), known
         ):
             most = max(flips)
-            path_step, path_error, path_target, total, fall, rough = lengths
+            path_step, path_error, path_target, total, fall, rough, strayed = lengths
             mean = total / count if count else inf
             paths = (step, path_step, path_error, error, target, path_target)
-            motions.append(Motion(*paths, most, flips.index(most), mean, fall, rough))
+            motions.append(Motion(*paths, most, flips.index(most), mean, fall, rough, strayed))
         return motions[0], motions[1]

@@ -232,6 +232,8 @@ class FuzzyIkController(Diagram):
             wire(integrator, "position", block, "command")
         wire(integrator, "velocity", guard, "command_velocity")
         wire(integrator, "motion", supervisor, "joint_step")
+        if config.measured_position:
+            wire(integrator, "deviation", supervisor, "deviation")
         wire(guard, "joint_step", integrator, "joint_step")
         wire(error, "task_error", status, "task_error")
         wire(error, "valid", status, "valid")

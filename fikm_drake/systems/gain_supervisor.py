@@ -24,6 +24,7 @@ class GainSupervisor(LeafSystem):
         - task_error
         - joint_step
         - target
+        - deviation
         output_ports:
         - gain
         - oscillating
@@ -38,6 +39,8 @@ class GainSupervisor(LeafSystem):
       away; it enters the state at the cycle's end, so `gain` does not feed through from it.
     - **target** (c) [m]: coordinates of the target, as `TaskError` has them, so that the block knows what
       of the error's jitter is the target's; unconnected it counts as a target that rests.
+    - **deviation** (n) [rad or m], may stay unconnected: of the measured joints from their command, where
+      they are in the loop.
     - **gain** (1) [-]: K of Table I by the error over its average of the last cycles and by the
       sign changes of the last joint steps; that of a big error while `task_error` is not finite.
       Multiplied by `calm`.
@@ -89,6 +92,7 @@ class GainSupervisor(LeafSystem):
         error = self.DeclareVectorInputPort("task_error", num_rows)
         step = self.DeclareVectorInputPort("joint_step", num_joints)
         self._target = self.DeclareVectorInputPort("target", num_coordinates)
+        self._deviation = self.DeclareVectorInputPort("deviation", num_joints)
         self._error, self._step = error.Eval, step.Eval
         self.DeclareDiscreteState(self._supervision.initial_memory())
         self.DeclareVectorOutputPort(
@@ -123,4 +127,8 @@ class GainSupervisor(LeafSystem):
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
         port = self._target
         target = port.Eval(context) if port.HasValue(context) else self._unknown
-        self._supervision.remember(memory, self._error(context), self._step(context), target)
+        port = self._deviation
+        deviation = port.Eval(context) if port.HasValue(context) else None
+        self._supervision.remember(
+            memory, self._error(context), self._step(context), target, deviation
+        )

@@ -31,6 +31,7 @@ class JointIntegrator(LeafSystem):
         - following
         - limited
         - motion
+        - deviation
 
     - **joint_step** (n) [rad or m]: of this cycle.
     - **estimated_position** (n) [rad or m], may stay unconnected: the robot's joints, where the command
@@ -44,6 +45,8 @@ class JointIntegrator(LeafSystem):
     - **motion** (n) [rad or m]: what of `joint_step` is done, by which the command changes in this cycle.
     - **following** (1): 1 while `estimated_position` is within `following_distance` of the command or
       unconnected, else 0.
+    - **deviation** (n) [rad or m]: `estimated_position` less the command; zeros where it is unconnected or
+      not finite.
 
     Args:
         lower: lower limits (n,) [rad or m]; −inf for none.
@@ -117,6 +120,12 @@ class JointIntegrator(LeafSystem):
             self._calc_motion,
             prerequisites_of_calc={step.ticket(), self.xd_ticket()},
         )
+        self.DeclareVectorOutputPort(
+            "deviation",
+            n,
+            self._calc_deviation,
+            prerequisites_of_calc={estimated.ticket(), self.xd_ticket()},
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
@@ -137,6 +146,11 @@ class JointIntegrator(LeafSystem):
         command = context.get_discrete_state(0).value()
         known = self._estimated.HasValue(context)
         output[0] = not known or follows(command, self._estimated.Eval(context), self._distance)
+
+    def _calc_deviation(self, context: Context, output: BasicVector) -> None:
+        command = context.get_discrete_state(0).value()
+        estimated = self._estimated.Eval(context) if self._estimated.HasValue(context) else command
+        output.set_value(estimated - command if all_finite(estimated) else np.zeros(len(command)))
 
     def _after(self, context: Context, position: Array, velocity: Array) -> Array:
         step = self._step(context)

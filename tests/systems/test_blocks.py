@@ -51,7 +51,7 @@ PORTS = {
         {"task_error": 3, "target": 3, "valid": 1},
     ),
     "GainSupervisor": (
-        {"task_error": 3, "joint_step": 7, "target": 3},
+        {"task_error": 3, "joint_step": 7, "target": 3, "deviation": 7},
         {
             "gain": 1,
             "oscillating": 1,
@@ -74,7 +74,15 @@ PORTS = {
     ),
     "JointIntegrator": (
         {"joint_step": 7, "estimated_position": 7},
-        {"position": 7, "velocity": 7, "valid": 1, "following": 1, "limited": 1, "motion": 7},
+        {
+            "position": 7,
+            "velocity": 7,
+            "valid": 1,
+            "following": 1,
+            "limited": 1,
+            "motion": 7,
+            "deviation": 7,
+        },
     ),
     "StatusMonitor": (
         {
@@ -115,10 +123,10 @@ PORTS = {
 # Outputs that do not feed through from an input; all others do.
 STATE_ONLY = {
     "TaskError": {("position", "target")},
-    "GainSupervisor": {("joint_step", "gain"), ("target", "gain")}
+    "GainSupervisor": {(i, "gain") for i in ("joint_step", "target", "deviation")}
     | {
         (i, o)
-        for i in ("task_error", "joint_step", "target")
+        for i in ("task_error", "joint_step", "target", "deviation")
         for o in ("oscillating", "oscillating_joint", "calm", "calmed", "damping")
     },
     "RestartPlanner": {(i, "restart_search") for i in ("desired_position", "position", "law_step")},
@@ -128,6 +136,7 @@ STATE_ONLY = {
         ("estimated_position", "valid"),
         ("estimated_position", "limited"),
         ("estimated_position", "motion"),
+        ("joint_step", "deviation"),
     },
     "CommandSupervisor": {
         ("commanded_velocity", "gain"),
@@ -161,6 +170,7 @@ GOOD = {
     "gain": np.ones(1),
     "calmed": np.zeros(1),
     "target": np.array([0.3, -0.5, 0.5]),
+    "deviation": 0.001 * np.ones(7),
     "following": np.ones(1),
     "damping": 0.1 * np.ones(1),
     "restart_search": np.zeros(1),

@@ -128,6 +128,7 @@ def config_of(run: CalmRun, *, calming: float) -> FuzzyIkConfig:
         control_rate=run.rate,
         characteristic_length=LENGTH,
         law=SHARP if run.sharp else FuzzyMapping(),
+        measured_position=run.noise == "sensor",
         supervisor=GainSupervisorConfig(calming=calming),
     )
 
