@@ -111,9 +111,9 @@ class CalmRule:
     def undisturbed(self, calm: float, error: float, fast: Motion, *, rests: bool) -> float:
         """The calm of an arm that does not shake before a target out of the tolerance.
 
-        It grows while the error falls by more than the target's own motion, and while the joints run on and the error changes, as behind a
-        target that moves; if that is far away only the gain comes back, not what the damping stills. A flat
-        error is that of an arm which creeps toward its best point: it stays calm, and becomes calmer.
+        It grows while the error falls by more than the target's own motion, and while the joints run on
+        and the error changes, as behind a target that moves; if that is far away only the gain comes
+        back, not what the damping stills. A flat error is that of an arm which creeps toward its best point: it stays calm, and becomes calmer.
 
         Args:
             calm: of this cycle.

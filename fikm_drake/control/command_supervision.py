@@ -75,8 +75,8 @@ class CommandSupervision:
     other cycle, which is harder to see and lasts, and delay every command.
 
     What it remembers is a vector that the caller keeps, so that a block's Context can: gain,
-    fraction of recovery, whether it oscillates and for how long its command kept its sign for each joint, the largest command of late, then the
-    memory of `SignChanges`.
+    fraction of recovery, whether it oscillates and for how long its command kept its sign for each joint,
+    the largest command of late, then the memory of `SignChanges`.
 
     Args:
         num_joints: n.
