@@ -113,7 +113,8 @@ class CalmRule:
 
         It grows while the error falls by more than the target's own motion, and while the joints run on
         and the error changes, as behind a target that moves; if that is far away only the gain comes
-        back, not what the damping stills. A flat error is that of an arm which creeps toward its best point: it stays calm, and becomes calmer.
+        back, not what the damping stills. A flat error is that of an arm which creeps toward its best
+        point: it stays calm, and becomes calmer.
 
         Args:
             calm: of this cycle.
