@@ -221,8 +221,11 @@ class GainSupervision:
             self._set_calm(named, size, shift)
 
     def _slice(self, field: str) -> slice:
-        kind, offset = self.fields.fields[field][:2]
-        return slice(offset // 8, (offset + kind.itemsize) // 8)
+        """Where a field is in the memory."""
+        places = np.zeros(1, dtype=self.fields)
+        places[0][field] = 1.0
+        found = np.flatnonzero(places.view(float))
+        return slice(int(found[0]), int(found[-1]) + 1)
 
     def _named(self, memory: Array) -> np.void:
         """The memory by its fields' names; what is written there is written to the memory."""

@@ -4,6 +4,7 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
@@ -105,7 +106,7 @@ class MotionWindows:
         target: Array,
         step: Array,
         length: float,
-        flips: Array | None,
+        flips: NDArray[np.bool_] | None,
         deviation: Array | None = None,
     ) -> float:
         """Write a cycle: error of length `size`, target, joint step and which joints turned round.
