@@ -3,13 +3,18 @@
 import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, System
 from pydrake.systems.primitives import Gain
 
+from fikm_drake.control.clearance import Clearance
+from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.control.command_supervision import CommandSupervisorConfig
 from fikm_drake.diagrams.add_fuzzy_ik_controller import unique_name
+from fikm_drake.kinematics.checker_joints import arm_joint_names
 from fikm_drake.kinematics.plant_frames import check_plant
 from fikm_drake.kinematics.serial_chain import SerialChain
+from fikm_drake.systems.clearance_filter import ClearanceFilter
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.joint_integrator import JointIntegrator
 
@@ -49,6 +54,10 @@ class SupervisedDifferentialIk(Diagram):
         config: see `CommandSupervisorConfig`.
         chain: the n joints that `differential_ik` moves, of a plant with others too; None: all of the
             plant's.
+        collision_checker: what the command keeps clear of, whatever the differential IK does, such as of
+            `MakeCollisionChecker`; then there are the ports **clearance**, **blocked**, **blocking_bodies**
+            and, where something in its world can move, **obstacle_position**, of `ClearanceFilter`.
+        clearance: distances and rules; None: the defaults of `ClearanceConfig`.
 
     Raises:
         ValueError: the plant is not finalized or has a free base, the ports are missing or of another
@@ -63,6 +72,8 @@ class SupervisedDifferentialIk(Diagram):
         period: float,
         config: CommandSupervisorConfig | None = None,
         chain: SerialChain | None = None,
+        collision_checker: CollisionChecker | None = None,
+        clearance: ClearanceConfig | None = None,
     ) -> None:
         super().__init__()
         if chain is None:
@@ -85,12 +96,29 @@ class SupervisedDifferentialIk(Diagram):
         velocity = ik.GetOutputPort("commanded_velocity")
         builder.Connect(velocity, supervisor.GetInputPort("commanded_velocity"))
         builder.Connect(supervisor.GetOutputPort("calmed_velocity"), step.get_input_port())
-        builder.Connect(step.get_output_port(), integrator.GetInputPort("joint_step"))
+        self._clear = None
+        if collision_checker is None:
+            builder.Connect(step.get_output_port(), integrator.GetInputPort("joint_step"))
+        else:
+            names = arm_joint_names(plant, None if chain is None else chain.position_indices)
+            guard = Clearance(collision_checker, clearance, period=period, joints=names)
+            clear = builder.AddNamedSystem("clearance_filter", ClearanceFilter(guard))
+            builder.Connect(step.get_output_port(), clear.GetInputPort("asked_step"))
+            builder.Connect(integrator.GetOutputPort("position"), clear.GetInputPort("position"))
+            builder.Connect(
+                clear.GetOutputPort("joint_step"), integrator.GetInputPort("joint_step")
+            )
+            self._clear = clear
         builder.Connect(integrator.GetOutputPort("position"), ik.GetInputPort("position"))
         for i in range(ik.num_input_ports()):
             port = ik.get_input_port(i)
             if port.get_name() != "position":
                 builder.ExportInput(port, port.get_name())
+        if self._clear is not None:
+            if self._clear.HasInputPort("obstacle_position"):
+                builder.ExportInput(
+                    self._clear.GetInputPort("obstacle_position"), "obstacle_position"
+                )
         for block, name, exported in (
             (integrator, "position", "commanded_position"),
             (integrator, "velocity", "commanded_velocity"),
@@ -99,7 +127,16 @@ class SupervisedDifferentialIk(Diagram):
             (supervisor, "valid", "valid"),
         ):
             builder.ExportOutput(block.GetOutputPort(name), exported)
+        if self._clear is not None:
+            for name in ("clearance", "blocked", "blocking_bodies"):
+                builder.ExportOutput(self._clear.GetOutputPort(name), name)
         builder.BuildInto(self)
+
+    def BlockingPair(self, context: Context) -> tuple[str, str]:
+        """Scoped names of the bodies that push most in this Diagram's context; empty for none."""
+        if self._clear is None:
+            return "", ""
+        return self._clear.BlockingPair(self.GetSubsystemContext(self._clear, context))
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
         """Set the commanded joint position (n,) [rad or m] in this Diagram's context, at rest.
@@ -120,11 +157,19 @@ def AddSupervisedDifferentialIk(
     period: float,
     config: CommandSupervisorConfig | None = None,
     chain: SerialChain | None = None,
+    collision_checker: CollisionChecker | None = None,
+    clearance: ClearanceConfig | None = None,
     name: str = "supervised_differential_ik",
 ) -> SupervisedDifferentialIk:
     """Add a `SupervisedDifferentialIk` to `builder` and return it; see there for all else."""
     system = SupervisedDifferentialIk(
-        differential_ik, plant, period=period, config=config, chain=chain
+        differential_ik,
+        plant,
+        period=period,
+        config=config,
+        chain=chain,
+        collision_checker=collision_checker,
+        clearance=clearance,
     )
     return builder.AddNamedSystem(unique_name(builder, name), system)
 

@@ -1,6 +1,6 @@
 """Joints of an arm in the plant of a collision checker, and how far each moves the arm's points."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ def scoped_joint_name(joint: Joint, plant: MultibodyPlant) -> str:
     return f"{plant.GetModelInstanceName(joint.model_instance())}::{joint.name()}"
 
 
-def arm_joint_names(plant: MultibodyPlant, positions: Sequence[int] | None = None) -> list[str]:
+def arm_joint_names(plant: MultibodyPlant, positions: Iterable[int] | None = None) -> list[str]:
     """Scoped names of the joints of a plant's positions, by default of all (n,).
 
     Raises:
@@ -26,7 +26,7 @@ def arm_joint_names(plant: MultibodyPlant, positions: Sequence[int] | None = Non
     names = {
         j.position_start(): scoped_joint_name(j, plant) for j in joints if j.num_positions() == 1
     }
-    wanted = range(plant.num_positions()) if positions is None else positions
+    wanted = list(range(plant.num_positions()) if positions is None else positions)
     missing = [int(i) for i in wanted if int(i) not in names]
     if missing:
         raise ValueError(

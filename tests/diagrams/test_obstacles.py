@@ -6,6 +6,7 @@ from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.multibody.tree import SpatialInertia
+from pydrake.systems.framework import LeafSystem
 
 import fikm_drake as fd
 
@@ -163,3 +164,33 @@ def test_null_space_motion_not_finite_is_none(plant, fused):
 
     q, _, _ = drive(controller, TOOL, 5, each)
     np.testing.assert_allclose(q, np.tile(HOME, (5, 1)), atol=1e-9)
+
+
+class Push(LeafSystem):
+    """A differential IK that goes straight on, whatever is there."""
+
+    def __init__(self, velocity):
+        super().__init__()
+        self.DeclareVectorInputPort("position", 7)
+        self.DeclareVectorOutputPort(
+            "commanded_velocity", 7, lambda _, output: output.set_value(velocity)
+        )
+
+
+def test_behind_somebody_elses_command_it_keeps_clear_too(plant):
+    seen = checker(WALL)
+    push = np.linalg.pinv(ARM.jacobian(HOME)[3:]) @ [0.2, 0.0, 0.0]
+    system = fd.SupervisedDifferentialIk(Push(push), plant, period=0.01, collision_checker=seen)
+    context = system.CreateDefaultContext()
+    system.SetPositions(context, HOME)
+    guard, pairs = fd.Clearance(seen, period=0.01), set()
+    for _ in range(250):
+        context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))
+        q = system.GetOutputPort("commanded_position").Eval(context)
+        assert guard.distance(q) >= SAFE - 1e-3
+        pairs.add(system.BlockingPair(context))
+    assert np.abs(q - HOME).max() > 0.05
+    assert ("iiwa14::link6", "WorldModelInstance::world") in pairs
+    with pytest.raises(ValueError, match="panda::joint1"):
+        other = fd.MakeCollisionChecker(fd.load_arm("panda"))
+        fd.SupervisedDifferentialIk(Push(push), plant, period=0.01, collision_checker=other)
