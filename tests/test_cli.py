@@ -176,7 +176,7 @@ def test_progress_shows_only_to_a_patient_person(capsys, monkeypatch):
     show(0.5)
     show(1.0)
     err = capsys.readouterr().err
-    assert "50 %" in err and err.endswith("100 %\n")
+    assert "50 %" in err and "100 %, 0 s left" in err and err.endswith("\n")
     progress(patience=60.0)(0.5)
     assert capsys.readouterr().err == ""
 

@@ -31,7 +31,10 @@ def test_scenarios_start_at_the_tool_as_a_plain_rate_loop(name):
     scenario = fd.load_scenario(name)
     tool = scenario.load_arm().forward_kinematics(scenario.start())[:2, 3]
     assert scenario.target.positions[0] == pytest.approx(tool, abs=1e-12)
-    assert scenario.controller_options().config == fd.FuzzyIkConfig().resolved_rate()
+    plain = fd.FuzzyIkConfig(task="xy").resolved_rate()
+    assert scenario.controller_config() == plain and isinstance(
+        scenario.controller, fd.scenario.Frmrc
+    )
 
 
 def test_line_has_the_cubic_profile_of_equation_16():

@@ -1,6 +1,10 @@
 """Plots and pages of a run."""
 
+import html
+import json
 import re
+import shutil
+import subprocess
 
 import numpy as np
 import pytest
@@ -8,6 +12,9 @@ from pydrake.geometry import Meshcat
 
 from fikm_drake import ControllerStatus, plot_log, write_html
 
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
+)
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -75,3 +82,52 @@ def test_page_with_a_given_meshcat_that_stays_open(planar_log, tmp_path):
     assert meshcat.HasPath("path/desired")
     with pytest.raises(OSError):
         write_html(planar_log, tmp_path / "gone" / "run.html", meshcat=meshcat)
+
+
+def test_page_has_title_curves_and_status_of_the_log(spatial_log, tmp_path):
+    write_html(spatial_log, tmp_path / "run.html")
+    page = (tmp_path / "run.html").read_text("utf-8")
+    assert "<title>arm7, Fuzzy, 50 Hz</title>" in page and str(spatial_log.metrics()) in page
+    (text,) = re.findall(r"const run = (\{.*\}), *\n|const run = (\{.*\});", page)
+    run = json.loads("".join(text))
+    np.testing.assert_allclose(run["time"], spatial_log.time, rtol=1e-5)
+    plots = {plot["label"]: plot["series"] for plot in run["plots"]}
+    error = 1000 * np.linalg.norm(spatial_log.error_after, axis=1)
+    np.testing.assert_allclose(plots["error [mm]"][0], error, rtol=1e-5)
+    np.testing.assert_allclose(plots["joints [rad or m]"], spatial_log.q.T, rtol=1e-5, atol=1e-9)
+    names = spatial_log.status_names
+    for name, start, end in run["status"]:
+        inside = (spatial_log.time >= start) & (spatial_log.time < end)
+        assert {names[k] for k in np.flatnonzero(inside)} <= {name}
+    assert run["status"][0][1] == 0.0 and run["status"][-1][2] == spatial_log.time[-1]
+
+
+@pytest.mark.skipif(not BROWSER, reason="no browser is installed")
+def test_page_plays_in_a_browser(spatial_log, tmp_path):
+    """What the browser makes of it: curves drawn, the clock runs, the status is told."""
+    path = tmp_path / "run.html"
+    write_html(spatial_log, path)
+    probe = (
+        "<script>setTimeout(() => { fikmRun.seek(0.2); setTimeout(() => {"
+        "const ink = [...document.querySelectorAll('#run-plots canvas')].map(c => {"
+        "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+        "let n = 0; for (let i = 0; i < d.length; i += 4) n += d[i] < 120; return n; });"
+        "document.body.dataset.found = JSON.stringify({ink, clock:"
+        "document.getElementById('run-clock').textContent, time: fikmRun.animator.time,"
+        "status: document.getElementById('run-status').textContent}); }, 500); }, 1000);</script>"
+    )
+    page = path.read_text("utf-8")
+    path.write_text(page.replace("</html>", probe + "</html>"), "utf-8")
+    command = [BROWSER, "--headless=new", "--no-sandbox", "--disable-dev-shm-usage"]
+    command += [
+        "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader",
+        "--virtual-time-budget=8000",
+    ]
+    command += [f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", path.as_uri()]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    (found,) = re.findall(r'data-found="([^"]*)"', done.stdout)
+    found = json.loads(html.unescape(found))
+    assert len(found["ink"]) == 3 and min(found["ink"]) > 100
+    assert found["time"] == pytest.approx(0.2, abs=0.02) and found["clock"] == "0.20 s"
+    assert found["status"] in {name.lower().replace("_", " ") for name in spatial_log.status_names}

@@ -145,7 +145,11 @@ class Frmrc:
                 sweeps=self.sweeps,
             )
         law = law or FuzzyRateControl(self.variant, gain=self.gain, sweeps=self.sweeps)
-        return Fuzzy(FuzzyIkConfig().resolved_rate()).add(site, law)
+        return self.loop().add(site, law)
+
+    def loop(self) -> Fuzzy:
+        """The plain loop that the law is put in."""
+        return Fuzzy(FuzzyIkConfig().resolved_rate())
 
 
 @dataclass

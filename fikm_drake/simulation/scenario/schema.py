@@ -18,7 +18,7 @@ from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.serial_chain import SerialChain
-from fikm_drake.simulation.scenario.controllers import CONTROLLERS, Controller, Fuzzy
+from fikm_drake.simulation.scenario.controllers import CONTROLLERS, Controller, Frmrc, Fuzzy
 from fikm_drake.simulation.scenario.environment import (
     PLANTS,
     Obstacle,
@@ -187,12 +187,14 @@ class Scenario:
         return np.array(q)
 
     def controller_config(self) -> FuzzyIkConfig:
-        """The fuzzy controller's config, with the task and the rate of this scenario.
+        """The config of a controller `fuzzy` or `frmrc`, with the task and the rate of this scenario.
 
         Raises:
             ValueError: the controller is another one.
         """
         controller = self.controller_options()
+        if isinstance(controller, Frmrc):
+            controller = controller.loop()
         if not isinstance(controller, Fuzzy):
             raise ValueError(f"controller {self.controller!r} has no FuzzyIkConfig")
         return controller.settled(self.target_motion().size, self.control_rate)
