@@ -1,6 +1,7 @@
 """The documentation: its blocks run, its commands exist, the API reference builds without a warning."""
 
-import importlib
+import importlib.util
+import inspect
 import json
 import re
 import subprocess
@@ -66,6 +67,7 @@ def test_api_reference_builds_without_a_warning(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "fikm_drake.html").read_text("utf-8")
-    missing = [name for name in fd.__all__ if f'id="{name}"' not in page]
+    names = [name for name in fd.__all__ if not inspect.ismodule(getattr(fd, name))]
+    missing = [name for name in names if f'id="{name}"' not in page]
     assert missing == []
     assert ".. pydrake_system::" not in page
