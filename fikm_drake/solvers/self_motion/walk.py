@@ -64,7 +64,9 @@ def walk(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step: floa
         limit = first_limit(curve, here, there, walls.lower, walls.upper)
         if limit:
             there, joint, side = limit
-            there = replace(there, q=np.clip(there.q, walls.lower, walls.upper))
+            q = np.clip(there.q, walls.lower, walls.upper)
+            q[joint] = (walls.lower if side == "lower" else walls.upper)[joint]  # to the last bit
+            there = replace(there, q=q)
             end = limit_name(curve, joint, side)
         elif closing:
             end = CLOSED
