@@ -1,7 +1,7 @@
 """What the calm is for: motion that is left before targets out of reach, beside other methods."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,8 +72,12 @@ class _Case:
     config: FuzzyIkConfig
 
 
-def calm_out_of_reach() -> list[Rest]:
-    """Each method before each target: two that rest, a pose, and circles."""
+def calm_out_of_reach(targets: Sequence[str] = ("",)) -> list[Rest]:
+    """Each method before each target: those that rest, poses, and circles.
+
+    Args:
+        targets: beginnings of the names of those that are wanted; by default all.
+    """
     methods: dict[str, Callable[[_Case, MultibodyPlant], tuple[Array, Array]]] = {
         OURS: lambda case, plant: _ours(case, plant, 0.8),
         WITHOUT: lambda case, plant: _ours(case, plant, 1.0),
@@ -83,6 +87,8 @@ def calm_out_of_reach() -> list[Rest]:
     rests = []
     with quiet_drake():
         for case in _cases():
+            if not case.name.startswith(tuple(targets)):
+                continue
             plant = MakeDhArmPlant(load_arm(case.arm))
             for name, method in methods.items():
                 q, error = method(case, plant)
