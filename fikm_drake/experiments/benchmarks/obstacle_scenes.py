@@ -53,7 +53,7 @@ class ObstacleScene:
 
 
 def obstacle_scenes(arm: str, kind: str, task: str, count: int, seed: int) -> list[ObstacleScene]:
-    """Scenes whose start is clear, whose target has a posture that is, and whose straight way is not.
+    """Scenes whose start is clear, whose target has a posture that is, with obstacles between them.
 
     Args:
         arm: of `HOME`.
@@ -83,6 +83,8 @@ def _try(
     arm: DhArm, name: str, kind: str, task: str, rng: np.random.Generator
 ) -> ObstacleScene | None:
     chain, start = arm.chain, np.array(HOME[name])
+    if kind == "shelf":  # some arms are at home where it stands
+        start = np.clip(start + rng.normal(0.0, 0.6, len(start)), chain.lower, chain.upper)
     tool = chain.forward_kinematics(start)
     low, high = np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi)
     posture = rng.uniform(low, high)
