@@ -76,7 +76,7 @@ from fikm_drake.simulation import scenario
 from fikm_drake.simulation.compare import Comparison, compare
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.plot_sweep import plot_sweep
-from fikm_drake.simulation.recorder import Recorder, record
+from fikm_drake.simulation.recorder import record
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import (
     BuiltScenario,
@@ -159,7 +159,6 @@ __all__ = [
     "Teleop",
     "BuiltScenario",
     "Scenario",
-    "Recorder",
     "record",
     "scenario",
     "build_scenario",

@@ -17,6 +17,7 @@ class TargetSource(LeafSystem):
     .. pydrake_system::
 
         name: TargetSource
+        input_ports: []
         output_ports:
         - desired_position
 

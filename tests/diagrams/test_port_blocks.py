@@ -69,6 +69,7 @@ MAKERS = {
     "JointReference": lambda p: fd.JointReference(
         1, period=PERIOD, time_step=1e-3, velocity_limits=[1.0], acceleration_limits=1.0
     ),
+    "JointSensor": lambda p: fd.JointSensor(7, period=PERIOD),
     "LabVoltIk": lambda p: fd.LabVoltIk(period=PERIOD),
     "LastFinite": lambda p: fd.LastFinite(3, period=PERIOD),
     "LowPassFilter": lambda p: fd.LowPassFilter(3, period=PERIOD),
@@ -78,6 +79,7 @@ MAKERS = {
     "SlowFeedback": lambda p: fd.SlowFeedback(7, period=PERIOD),
     "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True, blocked=True),
     "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
+    "TargetSource": lambda p: fd.TargetSource(lambda t: [0.4, 0.1, 0.5]),
     "TaskError": lambda p: fd.TaskError(p),
     "VariableGain": lambda p: fd.VariableGain(3),
 }

@@ -137,3 +137,26 @@ def test_what_is_no_diagram_is_named():
         fd.record("plant")
     with pytest.raises(ValueError, match="no port"):
         fd.record(DiagramBuilder())
+
+
+@pytest.mark.parametrize("driven", [False, True])
+def test_drakes_default_visualization_beside_our_controller(driven):
+    """The wiring that comes to mind first: one plant for scene, visualizer and controller."""
+    from pydrake.visualization import AddDefaultVisualization
+
+    builder = DiagramBuilder()
+    plant, _ = AddMultibodyPlantSceneGraph(builder, 1e-3)
+    fd.AddDhArm(plant, fd.load_arm("planar4"))
+    plant.Finalize()
+    add = fd.AddFuzzyIkTorqueController if driven else fd.AddFuzzyIkController
+    controller = add(builder, plant)
+    target = builder.AddSystem(ConstantVectorSource([0.4, 0.2, 0.0]))
+    builder.Connect(target.get_output_port(), controller.GetInputPort("desired_position"))
+    AddDefaultVisualization(builder)
+    recorder = fd.record(builder, [controller.GetOutputPort("commanded_position")], period=0.02)
+    simulator = Simulator(builder.Build())
+    own = controller.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    controller.SetPositions(own, np.zeros(4))
+    simulator.AdvanceTo(0.1)
+    (name,) = recorder.log().names
+    assert np.abs(np.diff(recorder.log()[name], axis=0)).max() > 0.0
