@@ -27,7 +27,7 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 @dataclass(frozen=True)
 class DrakeSettings:
-    """What Drake's users choose; the defaults are the best of `drake_settings`."""
+    """What Drake's users choose; a gain below 1, not swept: other settings may do better."""
 
     weight: float = 100.0
     """Of the least-squares cost."""

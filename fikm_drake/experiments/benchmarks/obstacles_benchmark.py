@@ -73,7 +73,7 @@ def obstacles_benchmark(
         tasks: of `TASKS`.
         seconds: of a run [s].
         seed: of the scenes.
-        settings: Drake's; None: the best that were found, see `DrakeSettings`.
+        settings: Drake's; None: the defaults of `DrakeSettings`.
         progress: called after each class with the fraction done.
 
     Raises:
