@@ -33,7 +33,7 @@ LawConfig = FuzzyMapping | DampedLeastSquares | PseudoInverse | JacobianTranspos
 """The laws that YAML can name by a tag, `law: !DampedLeastSquares {damping: 0.05}`; without a tag the
 first. A new law with a name is added here."""
 
-LAWS: dict[str, Any] = {law.__name__: law for law in LawConfig.__args__}
+LAWS: dict[str, type] = {law.__name__: law for law in LawConfig.__args__}
 """Laws by name."""
 
 

@@ -61,7 +61,7 @@ class CallableLaw:
         return f"CallableLaw({getattr(self.function, '__name__', self.function)!s})"
 
 
-def as_law(law: LawLike, size: int, num_joints: int, *, known: dict[str, Any]) -> Law:
+def as_law(law: LawLike, size: int, num_joints: int, *, known: dict[str, type]) -> Law:
     """The law, checked by one call.
 
     Args:
