@@ -13,12 +13,13 @@ radians, times in seconds.
 from fikm_drake.control.clearance import Clearance, ClearanceInfo
 from fikm_drake.control.clearance_config import ClearanceConfig, load_clearance_rules
 from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
-from fikm_drake.control.cycle import ControlCycle, CycleState, Rollout, Tick, rollout
+from fikm_drake.control.cycle import ControlCycle, CycleState, Tick
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.rollout import Rollout, rollout
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController
 from fikm_drake.diagrams.drakes_ports import DrakesPorts

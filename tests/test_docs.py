@@ -16,16 +16,18 @@ from fikm_drake.experiments.benchmarks.registry import BENCHMARKS
 from fikm_drake.experiments.reproduce.papers import PAPERS
 
 ROOT = Path(__file__).parents[1]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "notebooks").glob("*.md"))]
 EXAMPLES = re.findall(
-    r"^```python\n(.*?)^```", (ROOT / "docs" / "examples.md").read_text("utf-8"), flags=re.M | re.S
+    r"^```python\n(.*?)^```",
+    (ROOT / "notebooks" / "examples.md").read_text("utf-8"),
+    flags=re.M | re.S,
 )
 
 
 @pytest.mark.parametrize("code", EXAMPLES, ids=range(len(EXAMPLES)))
 def test_example_runs(code, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "docs/examples.md", "exec"), {})
+    exec(compile(code, "notebooks/examples.md", "exec"), {})
 
 
 def examples():
@@ -63,7 +65,7 @@ def test_commands_and_links_exist(page, capsys):
 
 @pytest.mark.skipif(not importlib.util.find_spec("pdoc"), reason="the extra docs is not installed")
 def test_api_reference_builds_without_a_warning(tmp_path):
-    command = [sys.executable, str(ROOT / "docs" / "build_api.py"), str(tmp_path)]
+    command = [sys.executable, str(ROOT / ".ci" / "build_api.py"), str(tmp_path)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     page = (tmp_path / "fikm_drake.html").read_text("utf-8")

@@ -89,6 +89,7 @@ def test_metadata_asks_for_drake_and_numpy_only(unzipped):
     required = re.findall(r"^Requires-Dist: (.*)$", metadata.read_text("utf-8"), re.MULTILINE)
     assert [line for line in required if "extra ==" not in line] == ["drake", "numpy"]
     assert {line.split("'")[1] for line in required if "extra ==" in line} == {
+        "cluster",
         "docs",
         "notebooks",
         "peers",

@@ -51,7 +51,7 @@ class ClearWay:
         memory[-2] = 0.0
 
     def length(self, memory: Array, q: Array, posture: Array) -> float:
-        """Of the way from q to a posture, by the fastest joint [rad or m]."""
+        """Length of the way from q to a posture, by the fastest joint [rad or m]."""
         return sum(float(np.abs(b - a).max()) for a, b in self._legs(memory, q, posture))
 
     def look(

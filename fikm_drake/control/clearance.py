@@ -6,10 +6,10 @@ from math import exp, inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import CollisionChecker
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.control.clearance_config import (
     ClearanceConfig,
@@ -20,8 +20,6 @@ from fikm_drake.control.row_projection import free_part, project
 from fikm_drake.kinematics.checker_joints import arm_joint_names, checker_indices, joint_reach
 from fikm_drake.kinematics.plant_arm import PlantArm
 
-Array = NDArray[np.float64]
-
 BENT = 5e-4
 """How far a step may bend off its tangent before its end is looked at too [m]."""
 LOSS = 2.5e-4
@@ -31,7 +29,7 @@ LOOKS = 3
 BLOCKED = 0.5
 """The arm is blocked where obstacles take away this fraction of the step [-]."""
 DAMPING = 0.05
-"""Of the motion that gives way, over the mean square of the rows of the Jacobian [-]."""
+"""Damping of the motion that gives way, over the mean square of the rows of the Jacobian [-]."""
 AHEAD = 1e-6
 """Length of a step that shows which way a distance changes [rad or m]."""
 USELESS = (0.002, 0.005)
@@ -57,7 +55,7 @@ class ClearanceInfo(NamedTuple):
     """What a cycle's obstacles did."""
 
     distance: float = inf
-    """Of the nearest pair before the step [m]; inf: none is within the influence distance."""
+    """Distance of the nearest pair before the step [m]; inf: none is within the influence distance."""
     blocked: bool = False
     """Obstacles take away half of the step, or more."""
     pair: tuple[int, int] = NONE
@@ -129,7 +127,7 @@ class Clearance:
 
     @property
     def period(self) -> float:
-        """Of the control cycle [s]."""
+        """Period of the control cycle [s]."""
         return self._period
 
     @property

@@ -19,7 +19,6 @@ In tick k the joints are at q, their command is θ, and
 call its parts one by one.
 """
 
-from collections.abc import Sequence
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -281,41 +280,10 @@ class ControlCycle:
         )
 
 
-class Rollout(NamedTuple):
-    """N cycles of a controller whose robot does what it is told."""
-
-    q: Array
-    """Commands after each cycle (N,n) [rad or m]."""
-    joint_step: Array
-    """dθ of each cycle (N,n) [rad or m]."""
-    error: Array
-    """e of each cycle, before its step (N,m) [m]."""
-    gain: Array
-    """K of each cycle (N,) [-]."""
-
-
-def rollout(cycle: ControlCycle, targets: Sequence[Any], start: Array) -> Rollout:
-    """Run the cycle along N targets from joint positions (n,), without a Simulator.
-
-    Args:
-        cycle: the tick.
-        targets: N targets, one a cycle, as the task takes them.
-        start: joint positions (n,) [rad or m].
-    """
-    state = cycle.start(start)
-    ticks, commands = [], []
-    for target in targets:
-        q = state.command.copy()
-        tick = cycle.tick(state, target, q)
-        cycle.advance(state, target, q, tick)
-        ticks.append(tick)
-        commands.append(state.command.copy())
-    return Rollout(
-        np.array(commands),
-        np.array([tick.joint_step for tick in ticks]),
-        np.array([tick.error for tick in ticks]),
-        np.array([tick.gain for tick in ticks]),
-    )
+def make_law(task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = None) -> Law:
+    """The law of a config, or `law`, checked; one of rules is fitted to the task's Jacobian."""
+    chosen = config.law if law is None else law
+    return checked_law(fit_to_range(chosen, task), task.size, task.arm.num_joints)
 
 
 def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:
@@ -327,9 +295,3 @@ def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:
         velocity_limits=config.speeds(arm),
         acceleration_limits=config.accelerations(arm),
     )
-
-
-def make_law(task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = None) -> Law:
-    """The law of a config, or `law`, checked; one of rules is fitted to the task's Jacobian."""
-    chosen = config.law if law is None else law
-    return checked_law(fit_to_range(chosen, task), task.size, task.arm.num_joints)

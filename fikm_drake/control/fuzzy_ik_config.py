@@ -146,7 +146,7 @@ class FuzzyIkConfig:
 
     @property
     def period(self) -> float:
-        """Of the control cycle [s]."""
+        """Period of the control cycle [s]."""
         return 1.0 / self.control_rate
 
     def speeds(self, arm: PlantArm) -> Array:

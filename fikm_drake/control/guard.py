@@ -3,12 +3,10 @@
 from math import inf, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive
 from fikm_drake.control.steps import all_finite
-
-Array = NDArray[np.float64]
 
 
 class Guard:

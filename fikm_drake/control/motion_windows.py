@@ -20,26 +20,26 @@ class Motion(NamedTuple):
     """Sums over a window of cycles. Net: where a motion ended; path: what it took."""
 
     net_step: float
-    """Of the joints [rad or m]."""
+    """Net motion of the joints [rad or m]."""
     path_step: float
     path_error: float
-    """Of the task error [m]."""
+    """Path of the task error [m]."""
     net_error: float
     net_target: float
-    """Of the target [m]."""
+    """Net motion of the target [m]."""
     path_target: float
     changes: float
     """Changes of sign of the joint that has most of them, as far as they count [-]."""
     joint: int
     """That joint."""
     mean_error: float
-    """Of the length of the task error [m]."""
+    """Mean of the length of the task error [m]."""
     fall: float
     """By how much that length fell [m]; negative: it rose."""
     rough: float
     """The path of that length [m]."""
     path_deviation: float
-    """Of the measured joints beside their command [rad or m]."""
+    """Path deviation of the measured joints beside their command [rad or m]."""
 
     @property
     def cancelled(self) -> float:
@@ -156,7 +156,7 @@ class MotionWindows:
         return shift
 
     def motions(self, memory: np.void) -> tuple[Motion, Motion]:
-        """Of the fast and of the slow window."""
+        """The motions of the fast and of the slow window."""
         sums = np.add.reduce(memory["rings"], axis=1)
         nets = sums[:, self._nets]
         nets = np.sqrt(np.add.reduceat(nets * nets, self._starts, axis=1)).tolist()

@@ -14,7 +14,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.control.clearance import Clearance
 
 H = 1e-5
-"""Of finite differences [rad or m]."""
+"""Step of finite differences [rad or m]."""
 FLOOR = 0.05
 """Column sums are raised to this fraction of the largest, so that a joint that moves nothing may move [-]."""
 RANK = 1e-10

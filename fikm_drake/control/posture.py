@@ -5,7 +5,7 @@ import numpy as np
 from fikm_drake.arrays import Array
 
 DAMPING = 1e-6
-"""Of the projection, relative to the largest it can be: it stays finite at singular postures."""
+"""Damping of the projection, relative to the largest it can be: it stays finite at singular postures."""
 
 
 def posture_step(J: Array, pull: Array) -> Array:

@@ -35,7 +35,7 @@ STARTS = 40
 ERROR_LIMIT = 0.2
 """A longer error counts as this long in the search [m]."""
 ZONE = 0.05
-"""Of the joint limits in the search [rad or m]."""
+"""Zone of the joint limits in the search [rad or m]."""
 NEAR = 1e-3
 """Distance at which a posture is reached [rad or m]."""
 PASSED = 0.02

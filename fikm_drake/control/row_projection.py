@@ -6,9 +6,8 @@ at the same time are solved together, which ends after as many steps as there ar
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 ROUNDS = 24
 """Rows that are taken up at most, one a round [-]."""

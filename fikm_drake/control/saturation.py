@@ -4,9 +4,9 @@ from collections.abc import Callable
 from math import sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
+
 Solve = Callable[[Array, Array], Array]
 """A law, or a law with its damping and weights: (J (m,n), error (m,)) to a joint step (n,)."""
 

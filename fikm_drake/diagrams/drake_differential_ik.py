@@ -18,13 +18,13 @@ from fikm_drake.kinematics.add_dh_arm import AddDhArm
 from fikm_drake.kinematics.dh_arm import DhArm
 
 COST_WEIGHT = 100.0
-"""Of the least-squares cost."""
+"""Weight of the least-squares cost."""
 INFLUENCE = 0.1
 """Distance from a joint limit at which its velocity limit starts to shrink [rad]."""
 TOOL_LIMITS = (1.0, 1.0)
 """Largest angular and linear velocity that is asked of the tool, each axis [rad/s, m/s]."""
 ACCELERATION = 1e9
-"""Of the joints [rad/s²]; Drake wants a number and uses none."""
+"""Acceleration of the joints [rad/s²]; Drake wants a number and uses none."""
 
 
 def drake_differential_ik(arm: DhArm, *, period: float) -> DifferentialInverseKinematicsSystem:

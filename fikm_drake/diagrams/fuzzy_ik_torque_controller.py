@@ -20,9 +20,9 @@ from fikm_drake.systems.joint_reference import JointReference
 from fikm_drake.systems.last_finite import LastFinite
 
 BANDWIDTH = 100.0
-"""Of the inner loop by default [rad/s]."""
+"""Bandwidth of the inner loop by default [rad/s]."""
 ACCELERATION_LIMIT = 20.0
-"""Of the joints' reference by default [rad/s² or m/s²]."""
+"""Acceleration limit of the joints' reference by default [rad/s² or m/s²]."""
 
 
 class FuzzyIkTorqueController(Diagram):

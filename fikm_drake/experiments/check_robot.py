@@ -61,9 +61,9 @@ class RobotReport:
     reached_from_default: int
     reached_from_middle: int
     false_converged: int
-    """Of both."""
+    """False converged of both."""
     microseconds_a_cycle: float
-    """Of CPU time [µs]."""
+    """Microseconds a cycle of CPU time [µs]."""
 
 
 def check_robot(
@@ -130,7 +130,7 @@ def _middle(chain: SerialChain) -> Array:
 
 
 def _oddities(chain: SerialChain) -> list[str]:
-    """Of the chain itself."""
+    """Oddities of the chain itself."""
     odd = []
     if not USUAL_REACH[0] <= chain.reach <= USUAL_REACH[1]:
         odd.append(f"the arm reaches {chain.reach:.3g} m: are its lengths in metres?")

@@ -27,7 +27,7 @@ class Drive:
     rotation_error: float
     """[rad]; zero for tasks of position."""
     status: ControllerStatus
-    """Of the last cycle."""
+    """Status of the last cycle."""
     largest_speed: float
     """Over the joints' limits of speed [-]."""
     outside: float
@@ -35,7 +35,7 @@ class Drive:
     cycles: int
     """Driven."""
     seconds: float
-    """Of CPU, for all of them [s]."""
+    """Seconds of CPU, for all of them [s]."""
 
     @property
     def reached(self) -> bool:

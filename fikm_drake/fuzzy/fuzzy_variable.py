@@ -16,7 +16,7 @@ from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 NOT = "not "
 """Before a label in the premise of a rule: one minus its grade."""
 LEAST_WIDTH = 1e-9
-"""Of a membership, as a fraction of the range: what is narrower has no area to speak of."""
+"""Least width of a membership, as a fraction of the range: what is narrower has no area to speak of."""
 
 
 @dataclass

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, JointIndex
 from pydrake.planning import CollisionChecker
 
-Array = NDArray[np.float64]
+from fikm_drake.arrays import Array
 
 
 def scoped_joint_name(joint: Joint, plant: MultibodyPlant) -> str:

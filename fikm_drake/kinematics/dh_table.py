@@ -139,7 +139,7 @@ class DhTable:
     tool: DhTransform = field(default_factory=DhTransform)
     """The last, fixed row, read in the same convention."""
     unit: DhUnit = field(default_factory=DhUnit)
-    """Of all numbers: `unit: {angle: deg, length: mm}`."""
+    """Unit of all numbers: `unit: {angle: deg, length: mm}`."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones, unless this is an arm."""

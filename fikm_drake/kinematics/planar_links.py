@@ -25,7 +25,7 @@ class PlanarLinks:
     """Lengths and limits of three links in a plane, from the first joint, which is the origin."""
 
     lengths: tuple[float, float, float]
-    """Of the links a_1, a_2, a_3 [m]."""
+    """Lengths of the links a_1, a_2, a_3 [m]."""
     lower: tuple[float, float, float]
     """Lower limits of the relative angles θ_1, θ_2 − θ_1, θ_3 − θ_2 [rad]."""
     upper: tuple[float, float, float]
@@ -33,7 +33,7 @@ class PlanarLinks:
 
     @cached_property
     def reach(self) -> float:
-        """Of the stretched arm from its first joint [m]."""
+        """Reach of the stretched arm from its first joint [m]."""
         return sum(self.lengths)
 
     @cached_property

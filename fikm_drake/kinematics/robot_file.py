@@ -14,7 +14,7 @@ from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_table import DEGREES
 
 SUFFIXES = (".urdf", ".sdf", ".xml", ".yaml", ".yml")
-"""Of files that Drake's Parser reads: URDF, SDF, MJCF, model directives."""
+"""Endings of files that Drake's Parser reads: URDF, SDF, MJCF, model directives."""
 MOVING = ("revolute", "continuous", "prismatic")
 
 

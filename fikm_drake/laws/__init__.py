@@ -6,8 +6,6 @@ sums C of J, one step of the simultaneous algebraic reconstruction technique: wi
 stable for every gain 0 < K < 2.
 """
 
-from typing import Any
-
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl

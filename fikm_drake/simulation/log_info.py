@@ -27,7 +27,7 @@ class LogInfo:
     names: dict[str, dict[str, str]] = field(default_factory=dict)
     """Series of whole numbers that have names, such as `status`: each number, as text, to its name."""
     versions: dict[str, str] = field(default_factory=dict)
-    """Of fikm_drake, drake, numpy, Python and the platform; see `versions`."""
+    """Versions of fikm_drake, drake, numpy, Python and the platform; see `versions`."""
     skipped: dict[str, str] = field(default_factory=dict)
     """Ports that could not be read, and why."""
     ended: str = ""

@@ -56,7 +56,7 @@ class RowCollector:
 
     @property
     def last_time(self) -> float:
-        """Of the last row [s]."""
+        """Time of the last row [s]."""
         return float(self._table[self._count - 1, 0])
 
     def add(self, time: float, values: Iterable[Array]) -> None:

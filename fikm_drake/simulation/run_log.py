@@ -136,7 +136,7 @@ class RunLog:
 
     @property
     def torque(self) -> Array:
-        """Of a torque-driven arm's joints (N,n) [N m or N]."""
+        """Torque of a torque-driven arm's joints (N,n) [N m or N]."""
         return self["torque"]
 
     @property

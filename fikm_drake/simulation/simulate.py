@@ -22,7 +22,7 @@ ERROR_COLUMNS = {
     3: ("x_m", "y_m", "z_m"),
     7: ("rx_rad", "ry_rad", "rz_rad", "x_m", "y_m", "z_m"),
 }
-"""Of the error by the size of the target: turns are rotation vectors in the world."""
+"""Columns of the error by the size of the target: turns are rotation vectors in the world."""
 
 
 class SimulationStopped(RuntimeError):
@@ -152,7 +152,7 @@ def _reader(built: BuiltScenario) -> Callable[[Context], list[Array]]:
 
 
 def _velocity(built: BuiltScenario, root: Context, difference: Array) -> Array:
-    """Of the plant's joints; of a kinematic run the commanded one, or the last change of q."""
+    """Velocity of the plant's joints; of a kinematic run the commanded one, or the last change of q."""
     if not built.is_kinematic:
         own = built.plant.GetMyContextFromRoot(root)
         return built.plant.GetVelocities(own)[built.chain.velocity_indices]

@@ -22,7 +22,7 @@ from fikm_drake.simulation.scenario.motion import Motion
 from fikm_drake.simulation.scenario.robots import MODEL_SUFFIXES
 
 RATE = 100.0
-"""Of the controller [Hz]."""
+"""Rate of the controller [Hz]."""
 SPEED = 1.5
 """Largest joint speed, if the robot's own limits are not lower [rad/s or m/s]."""
 LIGHTS = {

@@ -15,7 +15,7 @@ from fikm_drake.simulation.run_log import RunLog
 
 FRAMES_PER_SECOND = 50.0
 MOST_ROWS = 2000
-"""Of a curve on the page; a longer log is thinned out."""
+"""Most rows of a curve on the page; a longer log is thinned out."""
 PANEL = Path(__file__).with_name("run_page.html")
 """What stands beside the robot: style, controls, curves."""
 

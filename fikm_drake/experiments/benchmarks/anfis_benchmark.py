@@ -27,9 +27,9 @@ from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_
 
 OURS, PEER = "fd.Anfis", "anfis-toolbox"
 EPOCHS = 3
-"""Of a round: training costs the same in each."""
+"""Epochs of a round: training costs the same in each."""
 REPEATS = 5
-"""Of a batch of bounds in a round."""
+"""Repeats of a batch of bounds in a round."""
 
 
 @dataclass(frozen=True)

@@ -60,9 +60,9 @@ class ArmRow:
     pink: int | None
     """None where it is not installed."""
     false_converged: int
-    """Of all of our drives: CONVERGED, but not there."""
+    """False converged of all of our drives: CONVERGED, but not there."""
     largest_speed: float
-    """Of all of our drives, over the limits [-]."""
+    """Largest speed of all of our drives, over the limits [-]."""
     outside: float
     """How far beyond the limits of position [rad or m]."""
 

@@ -25,7 +25,7 @@ HOME = {
 }
 """Ready postures [rad]; other arms start in the middle of their limits."""
 SEEDS = (0, 1, 77)
-"""Of the poses, a round each; more rounds go on from the last."""
+"""Seeds of the poses, a round each; more rounds go on from the last."""
 SINGLES = 100
 """Poses of a round that are timed one by one."""
 NATIVE, NUMPY, PEER = "Solver, native", "Solver, numpy", "roboticstoolbox ik_LM"

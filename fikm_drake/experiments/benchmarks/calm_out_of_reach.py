@@ -15,9 +15,10 @@ from pydrake.multibody.inverse_kinematics import (
 from pydrake.multibody.plant import MultibodyPlant
 
 from fikm_drake.arrays import Array
-from fikm_drake.control.cycle import ControlCycle, rollout
+from fikm_drake.control.cycle import ControlCycle
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.control.rollout import rollout
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
@@ -31,9 +32,9 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 SECONDS = 11.0
 """[s]"""
 READY = (0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0)
-"""Of the iiwa14 [rad]."""
+"""Ready posture of the iiwa14 [rad]."""
 SHOULDER, REACH = np.array([0.0, 0.0, 0.36]), 0.42 + 0.40 + 0.126
-"""Of the iiwa14 [m]."""
+"""Shoulder and reach of the iiwa14 [m]."""
 BEYOND = 0.4
 """How far outside its reach its pose is [m]."""
 CIRCLES = {"planar4": (2.0, "xy", 0.3), "iiwa14": (1.3, "position", 0.2)}
@@ -54,9 +55,9 @@ class Rest:
     step: float
     """Largest of a joint in a cycle [rad]."""
     speed: float
-    """Of the joints, rms [rad/s]."""
+    """Speed of the joints, rms [rad/s]."""
     reversals: int
-    """Of the joint that turns round most often."""
+    """Reversals of the joint that turns round most often."""
     roughness: float
     """Change of the joint step from cycle to cycle, rms of its length [rad]."""
     error: float

@@ -58,7 +58,7 @@ class CalmRun:
     """[Hz]"""
     noise: str
     sigma: float
-    """Of the noise [m, or rad for the sensors]."""
+    """Standard deviation of the noise [m, or rad for the sensors]."""
     sharp: bool
     """The law is `SHARP`."""
     start: Array

@@ -40,7 +40,7 @@ class CycleCost:
     """CPU time of a law or of a cycle."""
 
     rows: int
-    """Of the task."""
+    """Rows of the task."""
     whole: bool
     """A cycle from joint positions to a joint step; else the law alone, with its Jacobian given."""
     name: str

@@ -43,15 +43,15 @@ ARM, START = "iiwa14", np.array([0.3, 0.6, 0.2, -1.4, -0.2, 0.9, 0.1])
 RATE = 200.0
 """Control cycles a second [Hz]."""
 SAMPLE = 1e-3
-"""Of the measurements [s]."""
+"""Sample of the measurements [s]."""
 RADIUS, TURNS = 0.08, 0.3
 """The path: a circle [m], while the tool turns there and back by this angle about z [rad]."""
 STIFFNESS = (100.0, 1000.0)
 """kp of the inner loop, critically damped, of joints of unit inertia [1/s²]."""
 DELAYS = (0, 5)
-"""Of the measurement [samples of 1 ms]."""
+"""Delays of the measurement [samples of 1 ms]."""
 NOISE = (1e-3,)
-"""Of the measurement, standard deviation [rad]."""
+"""Noise of the measurement, standard deviation [rad]."""
 
 Connect = Callable[[DiagramBuilder, MultibodyPlant, System, System], System]
 """Adds a controller for (builder, plant, source of poses, source of measured joints)."""
@@ -62,13 +62,13 @@ class FeedbackResult:
     """One controller in front of one inner loop."""
 
     name: str
-    """Of `controllers`."""
+    """Name of `controllers`."""
     stiffness: float
     """kp of the inner loop [1/s²]."""
     delay: float
-    """Of the measurement [s]."""
+    """Delay of the measurement [s]."""
     noise: float
-    """Of the measurement, standard deviation [rad]."""
+    """Noise of the measurement, standard deviation [rad]."""
     mean: float
     """Mean distance of the robot's tool from the path [m]."""
     largest: float

@@ -30,11 +30,11 @@ class DrakeSettings:
     """What Drake's users choose; a gain below 1, not swept: other settings may do better."""
 
     weight: float = 100.0
-    """Of the least-squares cost."""
+    """Weight of the least-squares cost."""
     gain: float = 0.2
     """K_VX: the fraction of the error that a cycle asks for [-]."""
     posture_gain: float = 0.0
-    """Of the joint-centering cost toward the start [-]; 0: there is none."""
+    """Posture gain of the joint-centering cost toward the start [-]; 0: there is none."""
     speed: float = 1.0
     """Largest speed that is asked of the tool [rad/s, m/s]."""
 

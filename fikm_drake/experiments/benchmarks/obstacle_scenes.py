@@ -47,7 +47,7 @@ class ObstacleScene:
     populate: Callable[[RobotDiagramBuilder], None]
 
     def checker(self) -> SceneGraphCollisionChecker:
-        """Of the arm in its world."""
+        """Checker of the arm in its world."""
         arm = load_arm(self.arm)
         return MakeCollisionChecker(arm, self.populate, robots=[arm.name])
 

@@ -25,7 +25,7 @@ from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.load_arm import load_arm
 
 RATE, SECONDS = 100.0, 12.0
-"""Of every run [Hz, s]."""
+"""Rate, seconds of every run [Hz, s]."""
 RATES = (50.0, 1000.0)
 """At which one scene of each class of one arm is run once more, for its clearance [Hz]."""
 TAIL = 20

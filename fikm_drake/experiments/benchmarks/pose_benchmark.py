@@ -32,9 +32,9 @@ SECONDS, RATE = 6.0, 100.0
 BEYOND = 0.4
 """How far outside its reach the arm is asked to go, straight on from its home posture [m]."""
 SHOULDER = np.array([0.0, 0.0, 0.36])
-"""Of the iiwa14 in its base frame [m]."""
+"""Shoulder of the iiwa14 in its base frame [m]."""
 REACH = 0.42 + 0.40 + 0.126
-"""Of the iiwa14's tool from its shoulder [m]."""
+"""Reach of the iiwa14's tool from its shoulder [m]."""
 
 
 @dataclass(frozen=True)

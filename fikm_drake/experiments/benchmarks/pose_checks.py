@@ -6,7 +6,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from fikm_drake.arrays import Array
 
 TOLERANCE = (1e-3, 0.01)
-"""Of position [m] and rotation [rad]."""
+"""Tolerance of position [m] and rotation [rad]."""
 
 
 def as_pose(T: Array) -> RigidTransform:

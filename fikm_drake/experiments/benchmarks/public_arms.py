@@ -18,7 +18,7 @@ from fikm_drake.kinematics.robot_file import MakeRobotPlant
 from fikm_drake.kinematics.serial_chain import SerialChain
 
 DATA = "cmeel.prefix/share/example-robot-data/robots"
-"""Of the package example-robot-data, in a folder of `sys.path`."""
+"""Data of the package example-robot-data, in a folder of `sys.path`."""
 UNLIMITED = (2.0 * np.pi, 2.0)
 """Taken where a model has no limit of position, each way, or speed [rad or m, rad/s or m/s]."""
 

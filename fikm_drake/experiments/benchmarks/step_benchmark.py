@@ -27,7 +27,7 @@ SCENARIO = "table6_5s"
 POSE_LAW = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
 """What is recommended for poses."""
 VELOCITY_LIMIT = 2.0
-"""Of every joint, for Drake's usual set-up [rad/s]; the path needs less."""
+"""Velocity limit of every joint, for Drake's usual set-up [rad/s]; the path needs less."""
 DRAKE_USUAL = "Drake integrator, pose, velocity limits"
 DRAKE_LEAST = "Drake integrator, position only, no limits"
 

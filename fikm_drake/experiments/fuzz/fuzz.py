@@ -32,11 +32,11 @@ class FuzzReport:
     """What came out."""
 
     seed: int
-    """Of the random numbers."""
+    """Seed of the random numbers."""
     cases: Counter[str] = field(default_factory=Counter)
     """How many of each of `KINDS`."""
     cycles: int = 0
-    """Of all cases."""
+    """Cycles of all cases."""
     refused: int = 0
     """Cases whose options a constructor refused with a ValueError."""
     violations: Counter[str] = field(default_factory=Counter)

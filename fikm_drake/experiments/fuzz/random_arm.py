@@ -11,7 +11,7 @@ from fikm_drake.arrays import Array, Bools
 
 MOST_JOINTS = 60
 SCALES = (-3.0, 3.0)
-"""Of the arms' lengths: decimal exponents, in metres."""
+"""Scales of the arms' lengths: decimal exponents, in metres."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ class RandomCase:
     start: Array
     """Joint positions (n,) [rad or m]."""
     targets: list[Target]
-    """Of each cycle."""
+    """Targets of each cycle."""
     noise: list[Array]
     """Added to the command of each cycle (n,) where joints are measured [rad or m]."""
     measured: bool

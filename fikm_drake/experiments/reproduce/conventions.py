@@ -31,7 +31,7 @@ class Errors:
 
     @classmethod
     def of(cls, error: Array) -> "Errors":
-        """Of desired minus actual, a row a cycle (N,m) [m]."""
+        """The errors of desired minus actual, a row a cycle (N,m) [m]."""
         length = np.linalg.norm(error, axis=1)
         return cls(float(length.max()), float(length.mean()), float(length[-1]))
 

@@ -46,7 +46,7 @@ class Cell:
 
     @property
     def verdicts(self) -> tuple[str, str]:
-        """Of ours and of the error before the step, in a word."""
+        """Verdicts of ours and of the error before the step, in a word."""
         words = (CLAIMED, TOLD) if self.claimed == "ours" else (TOLD, CLAIMED)
         return words[0][self.reached], words[1][self.before_reached]
 

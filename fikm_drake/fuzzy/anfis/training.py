@@ -17,7 +17,7 @@ FIRST_STEP = 0.05
 LONGER, SHORTER = 1.1, 0.9
 """Factors of the step after four decreases in a row, and after two rises and falls (Jang 1993)."""
 FIRST_DAMPING, MOST_DAMPING = 1e-6, 1e6
-"""Of Levenberg and Marquardt, a row [-]."""
+"""First and greatest damping of Levenberg and Marquardt, a row [-]."""
 
 
 class Epoch(NamedTuple):

@@ -20,7 +20,7 @@ from fikm_drake.fuzzy.integer.integer_partition import (
 Conjunction = Literal["min", "product"]
 CONJUNCTIONS: tuple[Conjunction, ...] = ("min", "product")
 LARGEST = 2**31 - 1
-"""Of a singleton: 32 bits."""
+"""Largest value of a singleton: 32 bits."""
 SPAN = 2**16 - 1
 """Largest difference between two singletons of an output: the C tables hold 16 bits."""
 
@@ -104,7 +104,7 @@ class IntegerRuleBase:
 
     @property
     def rounding(self) -> Rounding:
-        """Of the grades and of the outputs."""
+        """Rounding of the grades and of the outputs."""
         return self._rounding
 
     @property

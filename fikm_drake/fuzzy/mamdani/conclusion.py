@@ -9,7 +9,7 @@ from fikm_drake.fuzzy.mamdani.defuzzification import DEFUZZIFY
 from fikm_drake.fuzzy.mamdani.mamdani_config import MamdaniConfig
 
 LEAST_STRENGTH = 1e-100
-"""Of a rule that fires; what is less could underflow in an area."""
+"""Least strength of a rule that fires; what is less could underflow in an area."""
 
 
 class Conclusion:

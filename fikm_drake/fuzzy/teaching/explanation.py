@@ -22,7 +22,7 @@ class ViewedVariable:
     upper: float
     """Upper end."""
     labels: tuple[str, ...] = ()
-    """Of its memberships, in the order of their cores; empty for numbers."""
+    """Labels of its memberships, in the order of their cores; empty for numbers."""
     grades: Callable[[Array], Array] | None = None
     """Values (N,) to grades (N,m) in the order of the labels; None for numbers."""
     tops: tuple[float, ...] = ()

@@ -161,7 +161,7 @@ def _even(variable: ViewedVariable, count: int) -> Array:
 
 
 def _alignment(x: float, variable: ViewedVariable) -> str:
-    """Of a label at x, so that it stays inside the axes."""
+    """Alignment of a label at x, so that it stays inside the axes."""
     edge = 0.01 * (variable.upper - variable.lower)
     if x < variable.lower + edge:
         return "left"

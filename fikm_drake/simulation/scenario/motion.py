@@ -24,9 +24,9 @@ class Motion:
     duration: float
     """Until it rests [s]."""
     position: Callable[[float], Array]
-    """Of the time [s]: (2,) or (3,) [m]."""
+    """Position of the time [s]: (2,) or (3,) [m]."""
     orientation: Callable[[float], RotationMatrix] | None
-    """Of the time [s]; None: it does not count."""
+    """Orientation of the time [s]; None: it does not count."""
     corners: Array
     """The path as a polyline (k,2) or (k,3) [m]."""
 
@@ -85,5 +85,5 @@ def along_path(profile: str, duration: float, length: float) -> PiecewisePolynom
 
 
 def rotation_at(slerp: PiecewiseQuaternionSlerp, at: float) -> RotationMatrix:
-    """Of a slerp at a place of its breaks."""
+    """Rotation of a slerp at a place of its breaks."""
     return RotationMatrix(Quaternion(slerp.orientation(at).wxyz()))

@@ -25,7 +25,7 @@ class Site:
     plant: MultibodyPlant
     chain: SerialChain
     size: int
-    """Of the target: 2, 3 or 7."""
+    """Size of the target: 2, 3 or 7."""
     rate: float
     start: Array
     """Joint positions at the start (n,) [rad or m]."""
@@ -44,7 +44,7 @@ class Wired:
     logged: dict[str, OutputPort]
     statuses: type[IntEnum] | None
     size: int
-    """Of the target that it takes."""
+    """Size of the target that it takes."""
     measured: InputPort | None = None
     """For the measured joints; None: it takes none, or has them already."""
 

@@ -31,7 +31,7 @@ class BatchTargets:
 
     @classmethod
     def from_array(cls, targets: Array, scale: float = 1.0) -> "BatchTargets":
-        """Of positions (N,3) [m] or poses (N,4,4); lengths are divided by the scale [m]."""
+        """From positions (N,3) [m] or poses (N,4,4); lengths are divided by the scale [m]."""
         if targets.ndim == 2:
             return cls(np.ascontiguousarray(targets.T) * (1.0 / scale), None)
         rotation = np.ascontiguousarray(targets[:, :3, :3].transpose(2, 1, 0))

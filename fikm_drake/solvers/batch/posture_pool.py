@@ -42,7 +42,7 @@ class PosturePool:
 
     @cached_property
     def features(self) -> tuple[Array, Array]:
-        """Of the postures' tool frames: positions (3,size) and scaled axes (9,size) [m]."""
+        """Features of the postures' tool frames: positions (3,size) and scaled axes (9,size) [m]."""
         frames = self._arm.frames(self.q)
         return frames.position, self._scale * frames.rotation.reshape(9, -1)
 

@@ -15,7 +15,7 @@ from fikm_drake.solvers.batch.posture_pool import SIZE, PosturePool, start_range
 from fikm_drake.solvers.batch.reach import Reach
 
 TOLERANCE = (1e-3, float(np.deg2rad(0.5)))
-"""Of position [m] and rotation [rad]."""
+"""Tolerance of position [m] and rotation [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class Problem:
 
     @cached_property
     def normal_tolerance(self) -> tuple[float, float]:
-        """Of position [reach] and rotation [rad]."""
+        """Normal tolerance of position [reach] and rotation [rad]."""
         return self.tolerance[0] / self.chain.reach, self.tolerance[1]
 
     @cached_property

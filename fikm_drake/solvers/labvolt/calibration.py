@@ -23,7 +23,7 @@ FIRST_PEAKS = {
 }
 """Peaks of the outputs' memberships that the search starts from, in the order of the file [rad]."""
 HALF_WIDTH = {THETA_3: 0.52, POSTURE: 1.57}
-"""Of the outputs' triangles [rad]."""
+"""Half width of the outputs' triangles [rad]."""
 FAR, RANGE = 0.5, (-2.1, 2.6)
 """Share of the trials that are drawn anew, at first, and from where [rad]; the others change the best."""
 WHAT = {THETA_3: "guesses of θ_3, mean", POSTURE: "targets that the SQP misses"}

@@ -19,7 +19,7 @@ ROLL_AT, FINGERS_AT = 0.09, 0.12
 """From the wrist along the hand: where it rolls, and where the fingers begin [m]. Ours: the sources give the
 tool's distance only."""
 OPENING, FINGER, THICK = 0.03, 0.05, 0.008
-"""Of a finger: its way from closed to open, its length, half its thickness [m]."""
+"""Sizes of a finger: its way from closed to open, its length, half its thickness [m]."""
 GRIP_FORCE, GRIP_SPEED = 20.0, 0.1
 """Limits of a finger [N], [m/s]."""
 HAND = Template("""\

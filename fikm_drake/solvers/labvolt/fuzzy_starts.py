@@ -11,7 +11,7 @@ from fikm_drake.solvers.labvolt.geometry import labvolt
 from fikm_drake.solvers.labvolt.targets import plane_targets
 
 FIRST_GUESS = float(np.deg2rad(-90.0))
-"""Of θ_3: the paper's, where no fuzzy rules give a better one [rad]."""
+"""First guess of θ_3: the paper's, where no fuzzy rules give a better one [rad]."""
 THETA_3, POSTURE = "labvolt_theta3", "labvolt_posture"
 """Names of the two systems in `models/fuzzy/`."""
 

@@ -22,9 +22,9 @@ class Geometry(PlanarLinks):
     """
 
     offset: float
-    """Of the shoulder from the base's axis [m]."""
+    """Offset of the shoulder from the base's axis [m]."""
     height: float
-    """Of the shoulder over the base [m]."""
+    """Height of the shoulder over the base [m]."""
 
 
 @cache

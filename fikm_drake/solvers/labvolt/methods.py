@@ -91,7 +91,7 @@ class Ways:
     """The ways, and what they need."""
 
     geometry: Geometry
-    """Of the arm."""
+    """Geometry of the arm."""
     fuzzy: FuzzyStarts
     """The rules."""
     program: LabVoltProgram

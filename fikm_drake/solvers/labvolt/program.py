@@ -20,7 +20,7 @@ from fikm_drake.solvers.labvolt.geometry import Geometry
 
 SOLVERS = ("slsqp", "snopt")
 TOLERANCE, FEASIBILITY = 1e-10, 1e-12
-"""Of the solvers' tests, on angles [rad] and gradients [-]; on constraints, lengths over the reach [-]."""
+"""Tolerances of the solvers, on angles [rad] and gradients [-]; on constraints, lengths over reach [-]."""
 MOST_EVALUATIONS = 300
 STRAIGHT = 0.02
 """An arm bent by less than this [rad] counts as straight: no step is downhill from there to a target

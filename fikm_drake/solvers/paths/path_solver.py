@@ -11,13 +11,13 @@ from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.solvers.batch.batch_targets import BatchTargets
 
 DAMPING = 1e-4
-"""Of the steps, over the square of the characteristic length [-]."""
+"""Damping of the steps, over the square of the characteristic length [-]."""
 LONGEST = 0.3
 """A joint moves no further in a step [rad, or times the reach in m]."""
 STEPS, SEARCH_STEPS = 30, 60
 """Steps toward the next target of a path, and of a posture that is searched for [-]."""
 MIDDLE = 0.5
-"""Of the way to the middle of the limits, over the motion of the tool [-]."""
+"""Part of the way to the middle of the limits, over the motion of the tool [-]."""
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,11 @@ NEAR = 1e-9
 ACCELERATION_TIME = 0.1
 """A joint without limit of acceleration takes this long to its limit of speed [s]."""
 PARTS = 4
-"""Of each row's way, between which Toppra's limits hold [-]."""
+"""Parts of each row's way, between which Toppra's limits hold [-]."""
 SAMPLES = 1000
 """At which the limits are looked at once more; a little time is added where they need it (-)."""
 SPEED = 1.0
-"""Of a joint without limit of speed [rad/s or m/s]."""
+"""Speed of a joint without limit of speed [rad/s or m/s]."""
 
 
 def path_trajectory(

@@ -25,7 +25,7 @@ CONVERGED = 1e-9
 LONGEST = 0.5
 """Longest step of a joint [rad or m]."""
 DAMPING = 1e-2
-"""Of the steps, times the square of the error [-]."""
+"""Damping of the steps, times the square of the error [-]."""
 TINY = 1e-20
 """Keeps a pivot off zero [m²]."""
 MET = 1e-9
@@ -51,7 +51,7 @@ class PosturesAtJoint:
         self._middle = middle_of_limits(arm.lower, arm.upper)
 
     def solve(self, poses: Array, positions: Array) -> tuple[Array, Bools]:
-        """Of those inside the limits, the posture that is closest to their middle.
+        """Joint positions of those inside the limits, the posture that is closest to their middle.
 
         Args:
             poses: (N,4,4).

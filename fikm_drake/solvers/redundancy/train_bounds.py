@@ -15,7 +15,7 @@ POINTS = 3356
 STARTS = 4
 RIDGE = 1e-9
 SEED = 0
-"""Of the points to validate on, and of the partitions to start from."""
+"""Seed of the points to validate on, and of the partitions to start from."""
 
 
 def train_bounds(

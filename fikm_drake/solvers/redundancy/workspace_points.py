@@ -13,7 +13,7 @@ COARSE = 60
 NEAR = 0.02
 """Postures this near to a limit are near it, as a share of the joint's range."""
 HALVINGS = 40
-"""Of a grid step, to find the edge of the workspace."""
+"""Halvings of a grid step, to find the edge of the workspace."""
 
 
 def workspace_points(arm: DhArm, count: int, *, edge: bool = False) -> Array:

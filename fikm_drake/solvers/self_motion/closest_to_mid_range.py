@@ -11,7 +11,7 @@ from fikm_drake.solvers.self_motion.feasible_intervals import CHUNK, interval_co
 NODES = 17
 """Postures of an interval that are compared first."""
 HALVINGS = 54
-"""Of the gap around the best of them."""
+"""Halvings of the gap around the best of them."""
 
 
 def closest_to_mid_range(arm: DhArm, points: ArrayLike) -> Array:

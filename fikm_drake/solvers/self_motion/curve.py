@@ -13,7 +13,7 @@ ITERATIONS = 12
 CONVERGED = 1e-8
 """Newton's last step, at most [rad or m]: the error after it is the square of that."""
 LEAST_COSINE = 0.95
-"""Of the turn of the tangent in one step: 18 degrees."""
+"""Least cosine of the turn of the tangent in one step: 18 degrees."""
 FIRST_STEP = 0.03
 """[rad or m]."""
 LEAST_STEP = 1e-7

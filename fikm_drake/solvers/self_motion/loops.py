@@ -16,13 +16,13 @@ FINE = 16
 NEAR = 1e-3
 """How far outside the limits a point of a dense polyline may be within them [rad or m]."""
 SEARCH_STEPS = 40
-"""Of the search for a posture, at most."""
+"""Steps of the search for a posture, at most."""
 LONGEST = 0.5
 """Step of that search [rad or m]."""
 FOUND = 1e-6
 """Error at which Newton's method takes over from it [m]."""
 DAMPING = 1e-2
-"""Of that search, times the square of the error."""
+"""Damping of that search, times the square of the error."""
 
 
 def arrive(curve: SelfMotionCurve, q: Array) -> CurvePoint | None:

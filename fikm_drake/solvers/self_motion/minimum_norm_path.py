@@ -8,7 +8,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.task import POSITION_TASKS, Task
 
 ITERATIONS = 25
-"""Of a point, as in algorithm 1 of the thesis."""
+"""Iterations of a point, as in algorithm 1 of the thesis."""
 ARRIVED = 1e-12
 """[m]."""
 

@@ -20,7 +20,7 @@ SAME = 1e-6
 AT_LIMIT = 1e-12
 """A joint this near to a limit is at it [rad or m]."""
 MOST_POINTS = 20_000
-"""Of a walk."""
+"""Most points of a walk."""
 
 
 @dataclass(frozen=True)

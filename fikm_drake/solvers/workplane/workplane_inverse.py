@@ -104,7 +104,7 @@ def check_reached(reached: ArrayLike, points: Array) -> None:
 
 
 HEADING = (-1.01, -0.41)
-"""Of the hand at the near and at the far edge [rad]: with these, Table 1's labels agree in order."""
+"""Heading of the hand at the near and at the far edge [rad]: with these, Table 1's labels agree in order."""
 
 
 class TiltedPlaneInverse(WorkplaneInverse):

@@ -50,7 +50,7 @@ COLOURS = {
     "joint 3": "tab:green",
     TURNING_POINT: "black",
 }
-"""Of the borders, by what ends the region there."""
+"""Colours of the borders, by what ends the region there."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Region:
     percent: Array
     """(N,) share of the trajectory [%]."""
     intervals: list[list[list[FeasibleInterval]]]
-    """Of each point, of each joint."""
+    """Intervals of each point, of each joint."""
 
     def bounds(self, joint: int) -> tuple[Array, Array]:
         """Lower and upper bound (N,) of a joint (from 1) [rad], NaN where infeasible."""

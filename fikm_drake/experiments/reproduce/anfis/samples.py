@@ -23,7 +23,7 @@ TRAINING_POINTS = 3356
 FRESH_POINTS, SEED = 20_000, 1
 VALIDATION_POINTS, VALIDATION_SEED = 2000, 0
 QUANTITIES = ("upper", "lower", "static")
-"""Of joint 1: its bounds, and its position in the posture that is closest to mid-range."""
+"""Quantities of joint 1: its bounds, and its position in the posture that is closest to mid-range."""
 
 
 @cache

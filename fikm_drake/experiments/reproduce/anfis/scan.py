@@ -7,7 +7,7 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.dh_arm import DhArm
 
 HALVINGS = 60
-"""Of a cell of the scan: more than double precision resolves."""
+"""Halvings of a cell of the scan: more than double precision resolves."""
 
 
 def scan_intervals(

@@ -11,7 +11,7 @@ from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
 NUMBERS = 224
-"""Of an 8 x 8 ANFIS: 192 coefficients and 32 parameters of memberships."""
+"""Numbers of an 8 x 8 ANFIS: 192 coefficients and 32 parameters of memberships."""
 
 
 def bilinear_table(X: Array, Y: Array, side: int) -> RuleBase:

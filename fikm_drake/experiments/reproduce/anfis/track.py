@@ -20,7 +20,7 @@ from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 
 DURATION, PERIOD = 10.0, 0.02
-"""Of a run, and of its control cycle [s]."""
+"""Duration of a run, and of its control cycle [s]."""
 
 
 @dataclass(frozen=True)

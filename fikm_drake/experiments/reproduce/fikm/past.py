@@ -71,7 +71,7 @@ def _settled(log: RunLog) -> float:
 
 
 SECONDS = (10, 5, 2)
-"""Of Table VI's lines [s]."""
+"""Seconds of Table VI's lines [s]."""
 FACTOR = 1.5
 """Largest ratio to the kinematic errors that we claim."""
 

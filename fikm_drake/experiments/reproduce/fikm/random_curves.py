@@ -21,11 +21,11 @@ CURVES, SEED = 100, 5
 DEFAULT_CURVES = 40
 """Of these as many run in the default controller's Diagram."""
 HARMONICS = 3
-"""Of a random curve: sines and cosines, the k-th k times smaller."""
+"""Harmonics of a random curve: sines and cosines, the k-th k times smaller."""
 MARGIN = 0.2
 """Share of the radii that a random curve leaves free at each end of what the arm reaches [-]."""
 POINTS = 401
-"""Of a curve's polyline."""
+"""Points of a curve's polyline."""
 CLAIMED = 90
 """Per cent of the curves on which resolved rate with m iterations is claimed to meet the paper."""
 
@@ -37,7 +37,7 @@ class Figure1:
     key: str
     scenario: Callable[[], Scenario]
     radii: tuple[float, float]
-    """Of the tool's positions about the base that random postures have [m]."""
+    """Distances of the tool's positions about the base that random postures have [m]."""
     e_max: float
     """[cm]"""
     e_mean: float
@@ -132,7 +132,7 @@ def slowest(arm: DhArm, run: Rollout, rows: int) -> Array:
 
 
 def rank_correlation(a: Array, b: Array) -> float:
-    """Of two samples (N,), from −1 to 1."""
+    """Rank correlation of two samples (N,), from −1 to 1."""
     x, y = (np.argsort(np.argsort(values)) - 0.5 * (len(values) - 1) for values in (a, b))
     return float(x @ y / np.sqrt((x @ x) * (y @ y)))
 

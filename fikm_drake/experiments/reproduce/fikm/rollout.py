@@ -28,7 +28,7 @@ class Reading:
     breakpoints: tuple[float, float, float] = (0.0, 1.0, 2.0)
     """Figure 6: S, M and B peak at these multiples of the average error [-]."""
     average: str = AVERAGES[0]
-    """Of ten errors: the present one among them, or the ten before it."""
+    """Average of ten errors: the present one among them, or the ten before it."""
     unknown: str = UNKNOWN[0]
     """Before ten errors are known: every error is medium, or compared with the average of those there are."""
     by_rows: bool = False

@@ -11,7 +11,7 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 ARMS = 300
 SMOOTHING = 2.0 / 3.0
-"""Of equation 31."""
+"""Smoothing of equation 31."""
 NEAR = 1e-3
 """How far below and above the bound the loop is tried, as a fraction of it."""
 

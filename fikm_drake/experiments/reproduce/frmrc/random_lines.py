@@ -15,13 +15,13 @@ from fikm_drake.laws.law import Law
 
 LINES, SEED = 300, 0
 SECONDS, RATE = 2.0, 50.0
-"""Of a line [s], [Hz]."""
+"""Seconds and rate of a line [s], [Hz]."""
 STARTS = [[0.5, 0.6, 0.6], [0.3, 0.9, -1.2], [1.0, -1.2, -0.8], [0.2, 1.4, 0.7], [-0.4, 1.0, 1.0]]
 """Five bent postures of the 3-joint arm [rad]."""
 ENDS = [[-0.3, 0.7], [0.4, 0.8], [0.2, -0.6], [0.7, 0.2], [0.0, 0.9]]
 """Where lines from them go [m]."""
 RADIUS = 0.2
-"""Of circles from them, which lie inward [m]."""
+"""Radius of circles from them, which lie inward [m]."""
 LEAST = "3 sweeps, gain 1"
 ERROR_3, ERROR_7, TRAVEL = 1.7, 2.2, 1.15
 """What we claim of three sweeps, times the pseudo-inverse: error (90th percentile) and travel."""

@@ -12,7 +12,7 @@ TABLE_1 = {("N", "N"): "P", ("N", "Z"): "Z", ("N", "P"): "N"}
 TABLE_1 |= {("P", "N"): "N", ("P", "Z"): "Z", ("P", "P"): "P"}
 """Labels of J and dr to that of dθ, as printed."""
 DIRECTION = 20
-"""Of the column of J in the picture of two rows [°]."""
+"""Direction of the column of J in the picture of two rows [°]."""
 
 
 def table_1() -> Section:

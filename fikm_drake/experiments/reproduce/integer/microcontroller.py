@@ -22,9 +22,9 @@ from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
 from fikm_drake.fuzzy.integer.write_c import Shape
 
 MCU, CLOCK = "atmega328p", 16_000_000
-"""Of the simulation [Hz]; cycles do not depend on it."""
+"""Processor and clock of the simulation [Hz]; cycles do not depend on it."""
 PAPERS_CLOCK = 25
-"""Of the paper's processor [MHz]."""
+"""Clock of the paper's processor [MHz]."""
 FLAGS = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", f"-mmcu={MCU}", f"-DF_CPU={CLOCK}UL")
 EVERY = 50
 """Points of the workplane [mm]."""

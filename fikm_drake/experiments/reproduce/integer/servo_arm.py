@@ -25,9 +25,9 @@ from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkSystem
 PERIOD = 0.02
 """One point of the path each [s]: the frame of a hobby servo."""
 TIME_STEP = 0.001
-"""Of the plant [s]."""
+"""Time step of the plant [s]."""
 SERVO = PdControllerGains(p=1000.0, d=20.0)
-"""Of each joint [N m/rad], [N m s/rad]: stiff; behind a moving command by d / p = 20 ms."""
+"""Gains of each joint [N m/rad], [N m s/rad]: stiff; behind a moving command by d / p = 20 ms."""
 
 
 @dataclass(frozen=True)

@@ -120,7 +120,7 @@ def export() -> Section:
 
 
 JOINTS = (4, 8, 12, 24)
-"""Of Table 2."""
+"""Joints of Table 2."""
 ASIDE = 0.01
 """From one arm's shoulder to the next one's [m]."""
 RESOLUTION = 0.01

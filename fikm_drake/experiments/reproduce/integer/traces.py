@@ -108,9 +108,9 @@ def _plot_from_above(axes: Axes, run: Trace, inverse: WorkplaneInverse) -> None:
 
 
 CORNERS = [(0, 0), (400, 0), (400, 300), (0, 300), (0, 0)]
-"""Of the rectangle of 400 mm x 300 mm."""
+"""Corners of the rectangle of 400 mm x 300 mm."""
 CENTRE, RADIUS = (200, 150), 150
-"""Of the circle: the largest inside the rectangle; the paper gives neither."""
+"""Centre and radius of the circle: the largest inside the rectangle; the paper gives neither."""
 STEP = 5.0
 """Between neighbouring points of the rectangle and of the line [mm]."""
 

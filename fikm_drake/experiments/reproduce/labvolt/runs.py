@@ -16,7 +16,7 @@ from fikm_drake.solvers.labvolt.targets import random_targets
 FEW, MANY = 500, 5000
 """Targets: the paper's number, and ours."""
 SEED = 20
-"""Of the targets; the calibration has other ones."""
+"""Seed of the targets; the calibration has other ones."""
 RANDOM_START = "sqp, random start"
 PAPER = {
     "analytic": ((5.79, 24.80), (4.09, 17.53)),

@@ -1,4 +1,4 @@
-"""The API reference as HTML: `python docs/build_api.py [FOLDER]`, with the extra `docs` installed.
+"""The API reference as HTML: `python .ci/build_api.py [FOLDER]`, with the extra `docs` installed.
 
 Pages: the public names (`import fikm_drake as fd`), and each room of the package with its mathematics. A
 warning of pdoc is an error here.
