@@ -66,7 +66,7 @@ def page(verdicts: dict[str, Section]) -> str:
     text = [
         "# The five papers, item by item",
         "",
-        "Written by `fikm-drake reproduce all --map PAPERS.md`, which runs every part; `not run`: the",
+        "Written by `fikm-drake reproduce all --map notebooks/papers.md`, which runs every part; `not run`: the",
         "command in that row tells. A verdict counts the",
         "cells that claim something; `told` is judged by the paper's figure without a claim of ours, such",
         "as tracking errors before the step.",
