@@ -14,7 +14,7 @@ from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 
 PERIOD = 0.02
-ELSEWHERE = {"FusedFuzzyIk", "FuzzyIkTorqueController"}
+ELSEWHERE = {"DrakesPorts", "FusedFuzzyIk", "FuzzyIkTorqueController"}
 """Refer to `FuzzyIkController` for ports of the same names."""
 
 
@@ -48,7 +48,19 @@ def clearance_filter():
 
 ALL = fd.FuzzyIkConfig(measured_position=True)
 LIMITS = fd.JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=PERIOD)
+
+
+def drakes_ports(plant):
+    controller = fd.MakeFuzzyIkController(plant, config=fd.FuzzyIkConfig(task="pose"))
+    return fd.DrakesPorts(controller, fd.PlantArm(plant), ports="integrator")
+
+
 MAKERS = {
+    "ChainInverseDynamics": lambda p: fd.ChainInverseDynamics(
+        p, fd.SerialChain.from_plant(p, "tool"), bandwidth=50.0
+    ),
+    "DrakesPorts": drakes_ports,
+    "TargetInFrame": lambda p: fd.TargetInFrame(),
     "ClearanceFilter": lambda p: clearance_filter(),
     "NullSpaceFilter": lambda p: fd.NullSpaceFilter(fd.PositionTask(fd.PlantArm(p)), period=PERIOD),
     "NullSpaceMotion": lambda p: fd.NullSpaceMotion(7, lambda q: -q),
@@ -70,7 +82,7 @@ MAKERS = {
         1, period=PERIOD, time_step=1e-3, velocity_limits=[1.0], acceleration_limits=1.0
     ),
     "JointSensor": lambda p: fd.JointSensor(7, period=PERIOD),
-    "LabVoltIk": lambda p: fd.LabVoltIk(period=PERIOD),
+    "LabVoltIk": lambda p: fd.LabVoltIk(period=PERIOD, approach=True),
     "LastFinite": lambda p: fd.LastFinite(3, period=PERIOD),
     "LowPassFilter": lambda p: fd.LowPassFilter(3, period=PERIOD),
     "RedundancyIk": lambda p: fd.RedundancyIk(
@@ -88,7 +100,7 @@ MAKERS = {
 def test_every_public_system_is_here():
     public = {name: getattr(fd, name) for name in fd.__all__}
     systems = {n for n, x in public.items() if isinstance(x, type) and issubclass(x, System)}
-    assert systems == set(MAKERS)
+    assert systems == set(MAKERS) | {"Recorder"}  # its ports are those that it is asked to record
 
 
 @pytest.mark.parametrize("name", MAKERS)
@@ -102,6 +114,9 @@ def test_the_block_lists_the_real_ports_and_the_text_describes_them(name, ports)
     if name == "SupervisedDifferentialIk":  # has the inputs of the system it holds
         assert inputs == ["target"]
         described["input_ports"] = inputs
+    if name == "DrakesPorts":  # all of the controller's come after its own
+        assert described["output_ports"].pop() == "<all of FuzzyIkController>"
+        described["output_ports"] += outputs[1:]
     assert described == {"name": name, "input_ports": inputs, "output_ports": outputs}
     rest = text[found.end() :]
     if name in ELSEWHERE:

@@ -66,8 +66,8 @@ def page(verdicts: dict[str, Section]) -> str:
     text = [
         "# The five papers, item by item",
         "",
-        "Written by `fikm-drake reproduce all --map notebooks/papers.md`, which runs every part; `not run`: the",
-        "command in that row tells. A verdict counts the",
+        "Written by `fikm-drake reproduce all --map notebooks/papers.md`, which runs every part; `not run`:",
+        "the command in that row tells. A verdict counts the",
         "cells that claim something; `told` is judged by the paper's figure without a claim of ours, such",
         "as tracking errors before the step.",
     ]
@@ -81,7 +81,9 @@ def page(verdicts: dict[str, Section]) -> str:
             command = f'`fikm-drake reproduce {paper} --only "{item.part}"`'
             verdict = _verdict(verdicts.get(f"{paper} {item.part}"))
             names = ", ".join(item.names)
-            text.append(f"| {names} | {item.what} | [`{name}`]({path}) | {command} | {verdict} |")
+            text.append(
+                f"| {names} | {item.what} | [`{name}`](../{path}) | {command} | {verdict} |"
+            )
     return "\n".join([*text, ""])
 
 
