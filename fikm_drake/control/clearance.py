@@ -1,12 +1,10 @@
 """A joint step that keeps clear of obstacles and of the arm itself."""
 
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import exp, inf
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import CollisionChecker
 
 from fikm_drake.arrays import Array
@@ -16,8 +14,15 @@ from fikm_drake.control.clearance_config import (
     clearance_table,
     load_clearance_rules,
 )
-from fikm_drake.control.row_projection import free_part, project
-from fikm_drake.kinematics.checker_joints import arm_joint_names, checker_indices, joint_reach
+from fikm_drake.control.near_pairs import Near, NearPairs
+from fikm_drake.control.row_projection import (
+    free_part,
+    kept,
+    project,
+    shortened_toward,
+    with_box,
+)
+from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.plant_arm import PlantArm
 
 BENT = 5e-4
@@ -30,25 +35,10 @@ BLOCKED = 0.5
 """The arm is blocked where obstacles take away this fraction of the step [-]."""
 DAMPING = 0.05
 """Damping of the motion that gives way, over the mean square of the rows of the Jacobian [-]."""
-AHEAD = 1e-6
-"""Length of a step that shows which way a distance changes [rad or m]."""
 USELESS = (0.002, 0.005)
 """The first fraction of the task's motion is not worth a motion of the joints, the second is [-]."""
-UNFELT = 1e-18
-"""The square of a row that the arm's joints do not change, such as that of its base [(m/rad)²]."""
 NONE = (-1, -1)
 """No pair."""
-
-
-class Near(NamedTuple):
-    """The pairs of bodies that are nearer than the influence distance."""
-
-    distances: Array
-    """(k,) [m], negative in penetration."""
-    rows: Array
-    """Their derivatives by the arm's joints (k,n)."""
-    bodies: Callable[[int], tuple[int, int]]
-    """Indices of the two bodies of row i in the checker's plant."""
 
 
 class ClearanceInfo(NamedTuple):
@@ -105,25 +95,12 @@ class Clearance:
         config = config or ClearanceConfig()
         config.validate()
         self.config = config
-        self._indices = checker_indices(checker, joints)
-        self._reach = joint_reach(checker, self._indices)
+        self.near = NearPairs(checker, joints, config.influence_distance)
+        self._reach = joint_reach(checker, self.near.indices)
         self._period = check_positive_finite("period", period, "s")
         self._rates = clearance_table(load_clearance_rules(config.rules))
         self._least_share = self._share(float(self._rates.consequents.min()))
         self._tolerance = 0.1 * LOSS * self._least_share
-        self._padded = checker.GetLargestPadding
-        self._calc = checker.CalcContextRobotClearance
-        self._scratch = _Scratch(checker)
-        self._plant = checker.plant()
-        self._default = self._plant.GetPositions(self._plant.CreateDefaultContext())
-        self._alone = len(self._indices) == self._plant.num_positions()
-        other = np.ones(len(self._default), dtype=bool)
-        other[self._indices] = False
-        self._others = np.flatnonzero(other)
-        try:
-            self.near(self._default[self._indices])
-        except RuntimeError as error:
-            raise ValueError(f"the checker cannot tell distances: {error}") from error
 
     @property
     def period(self) -> float:
@@ -133,62 +110,12 @@ class Clearance:
     @property
     def num_joints(self) -> int:
         """The number of the arm's joints, n."""
-        return len(self._indices)
+        return len(self.near.indices)
 
     @property
     def default_others(self) -> Array:
         """Default positions of all in the checker's plant that is not the arm (p,), in its order."""
-        return self._default[self._others]
-
-    def near(self, q: Array, others: Array | None = None, within: float = 0.0) -> Near:
-        """Pairs nearer than the influence distance, or than `within` [m], at finite q (n,).
-
-        Args:
-            q: the arm's joints (n,) [rad or m].
-            others: the positions of all else (p,); None: the plant's defaults.
-            within: another distance than the influence distance [m]; 0: that.
-        """
-        full = q
-        if not self._alone:
-            full = self._default.copy()
-            full[self._indices] = q
-            if others is not None:
-                full[self._others] = others
-        found = self._calc(self._scratch.context, full, within or self.config.influence_distance)
-        distances, rows = found.distances(), np.array(found.jacobians())
-
-        def bodies(i: int) -> tuple[int, int]:
-            return int(found.robot_indices()[i]), int(found.other_indices()[i])
-
-        if not self._alone:
-            rows = rows[:, self._indices]
-        squares = np.einsum("ij,ij->i", rows, rows)
-        felt = (squares > UNFELT) & (squares < inf)
-        near = Near(distances, rows, bodies)
-        if not felt.all():
-            ours = np.flatnonzero(felt)
-            near = Near(distances[ours], rows[ours], lambda i: bodies(int(ours[i])))
-        if len(near.distances) and near.distances.min() < 0.0 and self._padded() > 0.0:
-            self._turn_rows(full, near)
-        return near
-
-    def _turn_rows(self, full: Array, near: Near) -> None:
-        """Turn rows that point into an obstacle.
-
-        Drake 1.51 to 1.58 turn a row the wrong way while only the padding is penetrated, where the distance
-        less the padding is negative and the distance is not.
-        """
-        for i in np.flatnonzero(near.distances < 0.0).tolist():
-            row, d = near.rows[i], float(near.distances[i])
-            size = float(np.linalg.norm(row))
-            moved = full.copy()
-            moved[self._indices] += AHEAD * row / size
-            found = self._calc(self._scratch.context, moved, self.config.influence_distance)
-            pairs = zip(found.robot_indices(), found.other_indices(), found.distances().tolist())
-            pair = near.bodies(i)
-            changes = [x - d for a, b, x in pairs if (int(a), int(b)) == pair]
-            if changes and min(changes, key=lambda x: abs(abs(x) - AHEAD * size)) < 0.0:
-                near.rows[i] = -row
+        return self.near.default_others
 
     def distance(self, q: Array, others: Array | None = None) -> float:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad q."""
@@ -206,10 +133,7 @@ class Clearance:
 
     def names(self, pair: tuple[int, int]) -> tuple[str, str]:
         """Scoped names of the bodies of a pair; empty for no pair."""
-        if pair[0] < 0 or pair[1] < 0:
-            return "", ""
-        one, two = (self._plant.get_body(BodyIndex(i)).scoped_name().get_full() for i in pair)
-        return one, two
+        return self.near.names(pair)
 
     def __call__(
         self,
@@ -241,7 +165,7 @@ class Clearance:
             return np.zeros(len(q)), ClearanceInfo()
         if others is not None and not np.isfinite(others).all():
             return np.zeros(len(q)), ClearanceInfo()
-        step = _shortened(step, low, high)
+        step = shortened_toward(step, low, high)
         way = float(np.abs(step).dot(self._reach))
         zone = self.config.zone
         if way > zone:
@@ -255,12 +179,12 @@ class Clearance:
         if moved is None and (change >= -self._least_share * gaps).all() and gaps.min() >= 0.0:
             return step, ClearanceInfo(distance)
         bounds = self._bounds(gaps, change, moved)
-        rows, bounds = _with_box(near.rows, bounds, low, high)
+        rows, bounds = with_box(near.rows, bounds, low, high)
         asked = step
         step, pushes = project(asked, rows, bounds, self._tolerance)
         if J is not None and pushes.any():
             step, pushes = _again(J, asked, step, pushes, rows, bounds, self._tolerance)
-        step = _kept(step, rows, bounds, self._tolerance)
+        step = kept(step, rows, bounds, self._tolerance)
         step = self._looked_at(q, step, near, rows, bounds, others, others_before)
         if J is not None and not (bounds > 2.0 * self._tolerance).any():
             step = step * _use(J.dot(asked), J.dot(step))
@@ -345,36 +269,6 @@ class Clearance:
         return ClearanceInfo(distance, bool(blocked) and pair != NONE, pair)
 
 
-class _Scratch(threading.local):
-    """A context of the checker's model for each thread; each use writes all of it that it reads."""
-
-    def __init__(self, checker: CollisionChecker) -> None:
-        self.context = checker.MakeStandaloneModelContext()
-
-
-def _shortened(step: Array, low: Array | None, high: Array | None) -> Array:
-    """The step, shortened as a whole toward what its joints may do, at most to a hundredth."""
-    excess = 1.0
-    for limit in (low, high):
-        if limit is not None:
-            ahead = (step * limit > 0.0) & np.isfinite(limit)
-            if ahead.any():
-                excess = max(excess, float((step[ahead] / limit[ahead]).max()))
-    return step / min(excess, 100.0) if excess > 1.0 else step
-
-
-def _with_box(
-    rows: Array, bounds: Array, low: Array | None, high: Array | None
-) -> tuple[Array, Array]:
-    """The rows and bounds with those of each joint's own step, where it is bounded."""
-    for sign, limit in ((1.0, low), (-1.0, high)):
-        if limit is not None:
-            finite = np.isfinite(limit)
-            rows = np.vstack([rows, sign * np.eye(len(limit))[finite]])
-            bounds = np.concatenate([bounds, sign * limit[finite]])
-    return rows, bounds
-
-
 def _again(
     J: Array,
     asked: Array,
@@ -407,15 +301,6 @@ def _use(asked: Array, left: Array) -> float:
     nothing, something = USELESS
     use = (float(left.dot(asked)) / whole - nothing) / (something - nothing)
     return min(1.0, max(0.0, use))
-
-
-def _kept(step: Array, rows: Array, bounds: Array, tolerance: float) -> Array:
-    """The step, shortened where rows that rest would keep are not kept."""
-    change = rows.dot(step)
-    broken = (bounds <= 0.0) & (change < bounds - 2.0 * tolerance)
-    if not broken.any():
-        return step
-    return step * float((bounds[broken] / change[broken]).min())
 
 
 def make_clearance(

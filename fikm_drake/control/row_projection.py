@@ -76,3 +76,35 @@ def free_part(vectors: Array, rows: Array) -> Array:
     gram = rows.dot(rows.T)
     gram.flat[:: len(rows) + 1] *= 1.0 + SOFT
     return vectors - vectors.dot(np.linalg.solve(gram, rows).T).dot(rows)
+
+
+def shortened_toward(step: Array, low: Array | None, high: Array | None) -> Array:
+    """The step, shortened as a whole toward what its joints may do, at most to a hundredth."""
+    excess = 1.0
+    for limit in (low, high):
+        if limit is not None:
+            ahead = (step * limit > 0.0) & np.isfinite(limit)
+            if ahead.any():
+                excess = max(excess, float((step[ahead] / limit[ahead]).max()))
+    return step / min(excess, 100.0) if excess > 1.0 else step
+
+
+def with_box(
+    rows: Array, bounds: Array, low: Array | None, high: Array | None
+) -> tuple[Array, Array]:
+    """The rows and bounds with those of each joint's own step, where it is bounded."""
+    for sign, limit in ((1.0, low), (-1.0, high)):
+        if limit is not None:
+            finite = np.isfinite(limit)
+            rows = np.vstack([rows, sign * np.eye(len(limit))[finite]])
+            bounds = np.concatenate([bounds, sign * limit[finite]])
+    return rows, bounds
+
+
+def kept(step: Array, rows: Array, bounds: Array, tolerance: float) -> Array:
+    """The step, shortened where rows that rest would keep are not kept."""
+    change = rows.dot(step)
+    broken = (bounds <= 0.0) & (change < bounds - 2.0 * tolerance)
+    if not broken.any():
+        return step
+    return step * float((bounds[broken] / change[broken]).min())

@@ -1,0 +1,132 @@
+"""The pairs of bodies that are near, and how their distances change, by Drake's collision checker."""
+
+import threading
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+from pydrake.multibody.tree import BodyIndex
+from pydrake.planning import CollisionChecker
+
+from fikm_drake.arrays import Array
+from fikm_drake.kinematics.checker_joints import checker_indices
+
+AHEAD = 1e-6
+"""Length of a step that shows which way a distance changes [rad or m]."""
+UNFELT = 1e-18
+"""The square of a row that the arm's joints do not change, such as that of its base [(m/rad)²]."""
+
+
+class Near(NamedTuple):
+    """The pairs of bodies that are nearer than the influence distance."""
+
+    distances: Array
+    """(k,) [m], negative in penetration."""
+    rows: Array
+    """Their derivatives by the arm's joints (k,n)."""
+    bodies: Callable[[int], tuple[int, int]]
+    """Indices of the two bodies of row i in the checker's plant."""
+
+
+class NearPairs:
+    """Asks a checker for the pairs of bodies that are nearer than a distance.
+
+    From any thread: the checker's Context, which Drake needs as scratch, is one for each thread.
+
+    Args:
+        checker: a `SceneGraphCollisionChecker` of a world with the arm.
+        joints: names of the arm's joints in the checker's plant; None: all that it has.
+        influence_distance: pairs farther apart are left out [m].
+
+    Attributes:
+        indices: of the arm's joints in the positions of the checker's plant (n,).
+        default_others: default positions of all else (p,), in the plant's order.
+
+    Raises:
+        ValueError: joints that the checker has not, or a checker that cannot tell distances.
+    """
+
+    def __init__(
+        self, checker: CollisionChecker, joints: Sequence[str] | None, influence_distance: float
+    ) -> None:
+        self.indices = checker_indices(checker, joints)
+        self._influence = influence_distance
+        self._padded = checker.GetLargestPadding
+        self._calc = checker.CalcContextRobotClearance
+        self._scratch = _Scratch(checker)
+        self._plant = checker.plant()
+        self._default = self._plant.GetPositions(self._plant.CreateDefaultContext())
+        self._alone = len(self.indices) == self._plant.num_positions()
+        other = np.ones(len(self._default), dtype=bool)
+        other[self.indices] = False
+        self._others = np.flatnonzero(other)
+        self.default_others: Array = self._default[self._others]
+        try:
+            self(self._default[self.indices])
+        except RuntimeError as error:
+            raise ValueError(f"the checker cannot tell distances: {error}") from error
+
+    def __call__(self, q: Array, others: Array | None = None, within: float = 0.0) -> Near:
+        """Pairs nearer than the influence distance, or than `within` [m], at finite q (n,).
+
+        Args:
+            q: the arm's joints (n,) [rad or m].
+            others: the positions of all else (p,); None: the plant's defaults.
+            within: another distance than the influence distance [m]; 0: that.
+        """
+        full = q
+        if not self._alone:
+            full = self._default.copy()
+            full[self.indices] = q
+            if others is not None:
+                full[self._others] = others
+        found = self._calc(self._scratch.context, full, within or self._influence)
+        distances, rows = found.distances(), np.array(found.jacobians())
+
+        def bodies(i: int) -> tuple[int, int]:
+            return int(found.robot_indices()[i]), int(found.other_indices()[i])
+
+        if not self._alone:
+            rows = rows[:, self.indices]
+        squares = np.einsum("ij,ij->i", rows, rows)
+        felt = (squares > UNFELT) & (squares < inf)
+        near = Near(distances, rows, bodies)
+        if not felt.all():
+            ours = np.flatnonzero(felt)
+            near = Near(distances[ours], rows[ours], lambda i: bodies(int(ours[i])))
+        if len(near.distances) and near.distances.min() < 0.0 and self._padded() > 0.0:
+            self._turn_rows(full, near)
+        return near
+
+    def _turn_rows(self, full: Array, near: Near) -> None:
+        """Turn rows that point into an obstacle.
+
+        Drake 1.51 to 1.58 turn a row the wrong way while only the padding is penetrated, where the distance
+        less the padding is negative and the distance is not.
+        """
+        for i in np.flatnonzero(near.distances < 0.0).tolist():
+            row, d = near.rows[i], float(near.distances[i])
+            size = float(np.linalg.norm(row))
+            moved = full.copy()
+            moved[self.indices] += AHEAD * row / size
+            found = self._calc(self._scratch.context, moved, self._influence)
+            pairs = zip(found.robot_indices(), found.other_indices(), found.distances().tolist())
+            pair = near.bodies(i)
+            changes = [x - d for a, b, x in pairs if (int(a), int(b)) == pair]
+            if changes and min(changes, key=lambda x: abs(abs(x) - AHEAD * size)) < 0.0:
+                near.rows[i] = -row
+
+    def names(self, pair: tuple[int, int]) -> tuple[str, str]:
+        """Scoped names of the bodies of a pair; empty for no pair."""
+        if pair[0] < 0 or pair[1] < 0:
+            return "", ""
+        one, two = (self._plant.get_body(BodyIndex(i)).scoped_name().get_full() for i in pair)
+        return one, two
+
+
+class _Scratch(threading.local):
+    """A context of the checker's model for each thread; each use writes all of it that it reads."""
+
+    def __init__(self, checker: CollisionChecker) -> None:
+        self.context = checker.MakeStandaloneModelContext()
