@@ -76,7 +76,9 @@ def variable_projection(data: LeastSquares, network: Network) -> Iterator[Epoch]
         gain = best.objective - found.objective
         if gain > 0.0:
             foreseen = float(np.sum(b**2) - np.sum((b - A @ step) ** 2))
-            damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain / foreseen - 1.0) ** 3)
+            # Where the data are met exactly what is foreseen is rounding, or nothing.
+            quality = min(gain / foreseen, 2.0) if foreseen > 0.0 else 1.0
+            damping *= max(1.0 / 3.0, 1.0 - (2.0 * quality - 1.0) ** 3)
             growth = 2.0
             network, best = tried, found
             A, b = data.linearise(network, best.coefficients)

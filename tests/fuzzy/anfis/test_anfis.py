@@ -270,3 +270,16 @@ def test_fit_refuses(X, Y, options, words):
         fd.Anfis((2, 2)).fit(X, Y, **options)
     for word in words:
         assert word in str(error.value)
+
+
+@pytest.mark.parametrize("method", ["hybrid", "variable_projection"])
+@pytest.mark.parametrize("slope", [0.0, 2.0])
+def test_data_that_the_rules_meet_exactly(method, slope):
+    """Nothing is left to gain, and what is foreseen of a step is rounding."""
+    x = np.linspace(0.0, 1.0, 20)[:, None]
+    anfis = fd.Anfis(memberships=(3,)).fit(x, slope * x[:, 0] + 1.0, epochs=10, method=method)
+    np.testing.assert_allclose(anfis.predict(x), slope * x[:, 0] + 1.0, atol=1e-6)
+    grid = np.array([[i, j] for i in range(6) for j in range(6)], float)
+    plane = 6.0 * grid[:, 0] + grid[:, 1]
+    anfis = fd.Anfis(memberships=(2, 2)).fit(grid, plane, epochs=5, method=method)
+    np.testing.assert_allclose(anfis.predict(grid), plane, atol=1e-5)
