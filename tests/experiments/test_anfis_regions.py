@@ -34,7 +34,7 @@ def test_reproduces(key):
 
 
 def test_exactness_on_a_few_targets(monkeypatch):
-    for name, count in (("POINTS", 1000), ("TRACED", 20), ("POSES", 1)):
+    for name, count in (("EXACT_POINTS", 1000), ("TRACED", 20), ("POSES", 1)):
         monkeypatch.setattr(three_ways, name, count)
     section = EXPERIMENTS["exactness"]()
     assert section.reached, str(section)

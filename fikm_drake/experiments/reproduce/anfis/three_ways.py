@@ -95,18 +95,18 @@ def _cells(
     ]
 
 
-POINTS = 20_000
+EXACT_POINTS = 20_000
 TRACED = 300
 POSES = 4
 
 
 def exactness() -> Section:
     """Closed form against a scan, tracer against the closed form, residuals of 7-joint arms."""
-    scanned = closed_form_against_scan(POINTS)
+    scanned = closed_form_against_scan(EXACT_POINTS)
     traced = planar_against_closed_form(TRACED)
     cells = [
         Cell(
-            f"closed form against scan and bisection, {POINTS} points [rad]",
+            f"closed form against scan and bisection, {EXACT_POINTS} points [rad]",
             None,
             scanned.error,
             scanned.same and scanned.error <= 1e-12,
