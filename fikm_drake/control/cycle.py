@@ -30,7 +30,7 @@ from fikm_drake.control.clearance import ClearanceInfo, make_clearance
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
-from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import RestartState, make_restart_search
 from fikm_drake.control.safe_step import make_safe_step
@@ -87,6 +87,8 @@ class Tick(NamedTuple):
     """d (m,) [m]."""
     joint_step: Array
     """dθ (n,) [rad or m], what the guard lets through."""
+    command: Array
+    """θ + dθ (n,) [rad or m], the command after the tick."""
     asked: Array
     """What the guard was asked for (n,) [rad or m]."""
     limited: bool
@@ -211,31 +213,34 @@ class ControlCycle:
         filtered_gain = low_pass(gain, float(state.gain[0]), config.gain_smoothing)
         amplified = amplify(filtered_gain, error, size, config.error_limit)
         filtered_error = low_pass(amplified, state.error, config.error_smoothing)
-        low, high = self.limits.steady_bounds(state.command)
-        bounds = self.limits.changing_bounds(low, high, state.velocity)
+        box = StepBox(self.limits, state.command)
         step, limited, cleared = self._hold, False, UNTOUCHED
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
-            step, limited = self.safe_step.inside(
-                q, J, filtered_error, low, high, self.limits, damping
-            )
+            step, limited = self.safe_step.inside(q, J, filtered_error, box, damping)
             if null_space_motion is not None:
                 step = step + null_space_step(J, config.period * null_space_motion)
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
             if self.clearance:
+                low, high = box.bounds(state.velocity)
                 step, cleared = self.clearance(
                     q,
                     step,
                     J=J,
-                    low=bounds[0],
-                    high=bounds[1],
+                    low=low,
+                    high=high,
                     others=others,
                     others_before=state.others,
                 )
-        taken = self.guard(step, *bounds)
+        if self.guard.surely_passes(step, box):
+            taken, command = step, state.command + step
+        else:
+            taken = self.guard(step, *box.bounds(state.velocity))
+            command = self.limits.add(state.command, taken)
         return Tick(
-            valid, error, size, gain, filtered_gain, filtered_error, taken, step, limited, cleared
+            *(valid, error, size, gain, filtered_gain, filtered_error),
+            *(taken, command, step, limited, cleared),
         )
 
     def advance(
@@ -248,14 +253,19 @@ class ControlCycle:
             self.restart.remember(state.restart, target, q, tick.error_length, others)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
-        deviation = q - state.command if self.config.measured_position else None
-        after = self.limits.add(state.command, tick.joint_step)
-        motion = after - state.command
+        motion = tick.command - state.command
+        watched = self.supervision.remember_turns(state.supervision, tick.error, motion)
+        if watched:
+            self.supervision.remember_motion(
+                state.supervision,
+                watched,
+                tick.error,
+                self.task.target_coordinates(target),
+                q - state.command if self.config.measured_position else None,
+            )
         state.velocity[:] = motion * self._rate
-        state.command[:] = after
+        state.command[:] = tick.command
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
-        coordinates = self.task.target_coordinates(target)
-        self.supervision.remember(state.supervision, tick.error, motion, coordinates, deviation)
 
     def status(
         self, state: CycleState, tick: Tick, measured: Array | None = None

@@ -1,8 +1,10 @@
 """The fuzzy gain and the detection of oscillation (Xu & Nechyba 1993, section 2.7), and the calm."""
 
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative, check_positive
@@ -22,6 +24,19 @@ LONG_AGO = -1e9
 
 HUGE = 1e100
 """Longer errors and steps are not summed: their squares overflow [m, rad]."""
+
+
+class WatchedMotion(NamedTuple):
+    """What `GainSupervision` saw of a cycle while motion is watched."""
+
+    size: float
+    """Length of the task error [m]."""
+    joint_step: Array
+    """(n,) [rad or m]; zero where it was too long to be summed."""
+    square: float
+    """Of its length."""
+    flips: NDArray[np.bool_] | None
+    """Joints that turned round (n,), bool; None: none did."""
 
 
 class GainSupervision:
@@ -168,6 +183,18 @@ class GainSupervision:
             target: its coordinates (c,), two of which are as far apart as the target moves [m].
             deviation: of the measured joints from their command (n,), where they are measured [rad or m].
         """
+        motion = self.remember_turns(memory, error, joint_step)
+        if motion is not None:
+            self.remember_motion(memory, motion, error, target, deviation)
+
+    def remember_turns(
+        self, memory: Array, error: Array, joint_step: Array
+    ) -> WatchedMotion | None:
+        """The first part of `remember`, all that most cycles need: errors, and which joints turned round.
+
+        Returns:
+            what `remember_motion` is to write; None while no motion is watched.
+        """
         known, _, changes, watched = memory[:4].tolist()
         size = length(error)
         if 0.0 < size < inf:
@@ -187,11 +214,13 @@ class GainSupervision:
                 if not flips.any():
                     flips = None
         if flips is None and not watched and not changes:
-            return
+            return None
         named = self._named(memory)
         ring, ticks = named["flips"], float(named["ticks"])
-        ring[int(ticks) % len(ring)] = 0.0 if flips is None else flips
-        named["changes"] = np.maximum.reduce(np.add.reduce(ring))
+        oldest = ring[int(ticks) % len(ring)]
+        if flips is not None or any(oldest.tolist()):  # else the counts stay
+            oldest[:] = 0.0 if flips is None else flips
+            named["changes"] = np.maximum.reduce(np.add.reduce(ring))
         named["ticks"] = ticks + 1.0
         if flips is not None:
             named["turns"] += 1.0
@@ -205,7 +234,19 @@ class GainSupervision:
             watched = named["watched"] = 0.0
             named["joint"] = -1.0
         if not watched or calm == 1.0 and size <= self._tolerance:
-            return
+            return None
+        return WatchedMotion(size, joint_step, square, flips)
+
+    def remember_motion(
+        self,
+        memory: Array,
+        motion: WatchedMotion,
+        error: Array,
+        target: Array,
+        deviation: Array | None = None,
+    ) -> None:
+        """The second part of `remember`: the motion, and what it says of the calm."""
+        named, (size, joint_step, square, flips) = self._named(memory), motion
         if not (0.0 < size < HUGE and target.dot(target) < HUGE**2):
             # No error to go by: on from the last that was.
             error, target = named["last_error"], named["last_target"]
@@ -217,7 +258,7 @@ class GainSupervision:
         shift = self._windows.add(
             named, size, error, target, joint_step, square**0.5, flips, deviation
         )
-        if calm < 1.0 or named["turns"] >= self._threshold:
+        if named["calm"] < 1.0 or named["turns"] >= self._threshold:
             self._set_calm(named, size, shift)
 
     def _slice(self, field: str) -> slice:

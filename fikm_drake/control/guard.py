@@ -6,7 +6,8 @@ import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive
-from fikm_drake.control.steps import all_finite
+from fikm_drake.control.joint_limits import SURE, StepBox
+from fikm_drake.control.steps import all_finite, length
 
 
 class Guard:
@@ -36,6 +37,10 @@ class Guard:
 
     def __init__(self, max_joint_step: float = inf) -> None:
         self.max_joint_step = check_positive("max_joint_step", max_joint_step)
+
+    def surely_passes(self, step: Array, box: StepBox) -> bool:
+        """True if a step (n,) is so short that it passes as it is; False says nothing."""
+        return box.surely_holds(step) and length(step) <= self.max_joint_step * SURE
 
     def __call__(self, step: Array, low: Array, high: Array) -> Array:
         """The step (n,) that is taken [rad or m].

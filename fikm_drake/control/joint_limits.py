@@ -1,5 +1,6 @@
 """Limits of position, speed and acceleration of a joint command."""
 
+from functools import cached_property
 from math import inf
 
 import numpy as np
@@ -9,6 +10,12 @@ from fikm_drake.arrays import Array
 
 FARTHEST = 1e9
 """A joint without a position limit goes no farther, so that a command keeps its digits [rad or m]."""
+
+NEAR = 1e-6
+"""Nearer to a limit than this the bounds decide, joint by joint [rad or m]."""
+
+SURE = 1.0 - 1e-12
+"""Leaves rounding a place [-]."""
 
 
 class JointLimits:
@@ -53,6 +60,20 @@ class JointLimits:
         self.brakes = bool(np.isfinite(self._change).any())
         """Whether a joint has a limit of acceleration."""
         self._fast = bool(np.isfinite(self._fastest).any())
+        self._all_may = float(self._fastest.min())
+
+    def room(self, position: Array) -> float:
+        """A step that is shorter than this is inside the bounds and leads to no limit [rad or m].
+
+        It spares the bounds to most cycles. Zero near a limit, and with limits of acceleration.
+
+        Args:
+            position: of the command (n,) [rad or m].
+        """
+        if self.brakes:
+            return 0.0
+        distance = min(np.minimum(position - self.lower, self.upper - position).tolist())
+        return SURE * min(distance, self._all_may) if distance > NEAR else 0.0
 
     def step_bounds(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """The least and the greatest step (n,), (n,) of each joint in this cycle [rad or m].
@@ -146,6 +167,32 @@ class JointLimits:
             k = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * distance / a) - 1.0))
             step = distance / (k + 1.0) + 0.5 * k * a
         return np.where(np.isfinite(step), step, distance)
+
+
+class StepBox:
+    """The steps that limits allow in one cycle; the bounds are worked out if somebody asks for them.
+
+    Args:
+        limits: of the joints.
+        command: joint positions (n,) [rad or m].
+    """
+
+    def __init__(self, limits: JointLimits, command: Array) -> None:
+        self.limits, self._command = limits, command
+        self._square = limits.room(command) ** 2
+
+    def surely_holds(self, step: Array) -> bool:
+        """True if a step (n,) is so short that it is inside all bounds; False says nothing."""
+        return bool(step.dot(step) < self._square)
+
+    @cached_property
+    def steady_bounds(self) -> tuple[Array, Array]:
+        """See `JointLimits.steady_bounds`."""
+        return self.limits.steady_bounds(self._command)
+
+    def bounds(self, velocity: Array) -> tuple[Array, Array]:
+        """See `JointLimits.step_bounds`."""
+        return self.limits.changing_bounds(*self.steady_bounds, velocity)
 
 
 def _each(name: str, limit: ArrayLike, size: int) -> Array:

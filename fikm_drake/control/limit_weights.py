@@ -38,7 +38,7 @@ class LimitWeights:
 
     def near(self, q: Array) -> bool:
         """True if a joint at q (n,) is in a zone."""
-        return bool((q < self._begin_low).any() or (q > self._begin_high).any())
+        return min(np.minimum(q - self._begin_low, self._begin_high - q).tolist()) < 0.0
 
     def __call__(self, q: Array, step: Array) -> Array:
         """Weights (n,) at q (n,) for a joint step (n,), whose direction counts."""

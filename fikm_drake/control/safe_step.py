@@ -8,7 +8,7 @@ import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative, check_number, check_position, check_positive
-from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.control.saturation import BRAKING_GAIN, GAIN, resolve
@@ -72,9 +72,7 @@ class SafeStep:
         q: Array,
         J: Array,
         error: Array,
-        low: Array,
-        high: Array,
-        limits: JointLimits,
+        box: StepBox,
         damping: float | None = None,
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
@@ -87,13 +85,14 @@ class SafeStep:
             q: joint positions (n,) [rad or m].
             J: the task Jacobian at q (m,n).
             error: task error (m,) [m].
-            low: least step of each joint (n,), of `limits.steady_bounds` [rad or m].
-            high: greatest step of each joint (n,) [rad or m].
-            limits: of the joints.
+            box: what the joints may do.
             damping: for a law that takes it [-], else None.
         """
         free, weights, secondary = self._free(q, J, error, damping)
         short = self._short(free, error)
+        if box.surely_holds(short):
+            return short, False
+        limits, (low, high) = box.limits, box.steady_bounds
         step = limits.brakeable(short)
         if (np.minimum(np.maximum(step, low), high) == step).all():
             return step, step is not short

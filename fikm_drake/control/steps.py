@@ -5,18 +5,19 @@ from typing import TypeVar
 
 from fikm_drake.arrays import LARGEST, Array
 
+SQUARE = LARGEST**2
 Signal = TypeVar("Signal", float, Array)
 
 
 def length(vector: Array) -> float:
     """Euclidean length of a vector (n,); inf if an element is NaN, or the length passes `LARGEST`."""
     square = vector.dot(vector)
-    return sqrt(square) if square < LARGEST**2 else inf
+    return sqrt(square) if square < SQUARE else inf
 
 
 def all_finite(vector: Array) -> bool:
     """True if no element of a vector (n,) is NaN or infinite, and its length is below `LARGEST`."""
-    return bool(vector.dot(vector) < LARGEST**2)
+    return bool(vector.dot(vector) < SQUARE)
 
 
 def amplify(gain: float, error: Array, size: float, limit: float) -> Array:

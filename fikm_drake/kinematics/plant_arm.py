@@ -67,6 +67,7 @@ class PlantArm:
         self.num_joints = self.chain.num_joints
         tool, base = as_frame(plant, frame), as_frame(plant, reference_frame)
         self._base, self._tool = base, tool
+        self._in_world = base.is_world_frame()
         template = plant.CreateDefaultContext() if context is None else context.Clone()
         self._scratch = _Scratch(template, held_positions(plant, template))
         positions, velocities = self.chain.position_indices, self.chain.velocity_indices
@@ -121,6 +122,8 @@ class PlantArm:
 
     def pose(self, context: Any) -> RigidTransform:
         """X_AE in a Context of `context_at`."""
+        if self._in_world:  # the same, cheaper
+            return self._tool.CalcPoseInWorld(context)
         return self._tool.CalcPose(context, self._base)
 
     def spatial_jacobian(self, context: Any) -> Array:

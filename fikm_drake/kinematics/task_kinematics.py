@@ -11,6 +11,8 @@ from pydrake.systems.framework import InputPort, LeafSystem
 from fikm_drake.arrays import LARGEST, Array
 from fikm_drake.kinematics.plant_arm import PlantArm
 
+_SQUARE = LARGEST**2
+
 
 @runtime_checkable
 class TaskKinematics(Protocol):
@@ -145,4 +147,4 @@ class PoseTargetTask(PlantTask):
 
 def _finite(vector: Array) -> bool:
     """Cheaper than np.isfinite(…).all(); what passes `LARGEST` counts as not finite too."""
-    return bool(vector.dot(vector) < LARGEST**2)
+    return bool(vector.dot(vector) < _SQUARE)

@@ -8,7 +8,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.arrays import Array
-from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -151,5 +151,5 @@ class DifferentialIk(LeafSystem):
         J = self._task.jacobian(q)
         if self._limits is None:
             return self._safe_step(q, J, error, damping), False
-        low, high = self._limits.steady_bounds(self._command(context))
-        return self._safe_step.inside(q, J, error, low, high, self._limits, damping)
+        box = StepBox(self._limits, self._command(context))
+        return self._safe_step.inside(q, J, error, box, damping)

@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -93,6 +94,7 @@ class FusedFuzzyIk(LeafSystem):
             self._others = self.DeclareVectorInputPort("obstacle_position", count)
         start = self._cycle.start(task.arm.default_position)
         groups = CycleState(*(self.DeclareDiscreteState(part) for part in start))
+        self._groups = tuple(range(len(groups)))
         declare_start(self, estimated, self._start)
         self.DeclareStateOutputPort("commanded_position", groups.command)
         self.DeclareStateOutputPort("commanded_velocity", groups.velocity)
@@ -135,22 +137,21 @@ class FusedFuzzyIk(LeafSystem):
         for i, part in enumerate(self._cycle.start(position)):
             discrete_state.set_value(i, part)
 
-    def _joints(self, context: Context, state: CycleState) -> Array:
-        return self._estimated.Eval(context) if self._measured else state.command
-
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
         get = context.get_discrete_state
-        state = CycleState(*(get(i).value() for i in range(len(CycleState._fields))))
-        return state, self._tick_of(context, state)
+        state = CycleState(*(get(i).value() for i in self._groups))
+        return state, self._tick_of(context, state, *self._inputs(context, state))
 
-    def _tick_of(self, context: Context, state: CycleState) -> Tick:
-        return self._cycle.tick(
-            state,
-            self._desired(context),
-            self._joints(context, state),
-            others=_value(self._others, context),
-            null_space_motion=_value(self._motion, context),
-        )
+    def _inputs(self, context: Context, state: CycleState) -> tuple[Any, Array, Array | None]:
+        """The target, the joints and where obstacles are, as `ControlCycle.tick` takes them."""
+        q = self._estimated.Eval(context) if self._measured else state.command
+        return self._desired(context), q, _value(self._others, context)
+
+    def _tick_of(
+        self, context: Context, state: CycleState, target: Any, q: Array, others: Array | None
+    ) -> Tick:
+        motion = _value(self._motion, context)
+        return self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
 
     def _declare_output(self, name: str, size: int, pick: Callable[[Tick], Array | float]) -> None:
         """An output picked from a tick, computed when somebody asks."""
@@ -184,10 +185,10 @@ class FusedFuzzyIk(LeafSystem):
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
-        state = CycleState(*(get(i) for i in range(len(CycleState._fields))))
-        tick = self._tick_of(context, state)
-        target, q = self._desired(context), self._joints(context, state)
-        self._cycle.advance(state, target, q, tick, _value(self._others, context))
+        state = CycleState(*map(get, self._groups))
+        target, q, others = self._inputs(context, state)
+        tick = self._tick_of(context, state, target, q, others)
+        self._cycle.advance(state, target, q, tick, others)
 
 
 def _value(port: InputPort | None, context: Context) -> Array | None:

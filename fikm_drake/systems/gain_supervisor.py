@@ -125,10 +125,12 @@ class GainSupervisor(LeafSystem):
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         memory = discrete_state.get_mutable_value()  # holds the present state until it is written
+        error = self._error(context)
+        watched = self._supervision.remember_turns(memory, error, self._step(context))
+        if not watched:
+            return
         port = self._target
         target = port.Eval(context) if port.HasValue(context) else self._unknown
         port = self._deviation
         deviation = port.Eval(context) if port.HasValue(context) else None
-        self._supervision.remember(
-            memory, self._error(context), self._step(context), target, deviation
-        )
+        self._supervision.remember_motion(memory, watched, error, target, deviation)

@@ -6,7 +6,7 @@ import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.control.guard import Guard
-from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -74,8 +74,10 @@ class GuardBlock(LeafSystem):
         )
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        bounds = self._limits.step_bounds(self._command(context), self._velocity(context))
-        output.set_value(self._guard(self._step(context), *bounds))
+        step, box = self._step(context), StepBox(self._limits, self._command(context))
+        if not self._guard.surely_passes(step, box):
+            step = self._guard(step, *box.bounds(self._velocity(context)))
+        output.set_value(step)
 
     def _calc_limited(self, context: Context, output: BasicVector) -> None:
         taken = self.get_output_port(0).Eval(context)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import fikm_drake as fd
-from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.control.safe_step import DEAD, SafeStep, aside
@@ -149,7 +149,7 @@ def limited(safe, J, error, **limits):
     """The step inside limits from rest, whether they took a part away, and the bounds."""
     bounds = JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=0.01, **limits)
     low, high = bounds.steady_bounds(Q)
-    return *safe.inside(Q, J, error, low, high, bounds), low, high
+    return *safe.inside(Q, J, error, StepBox(bounds, Q)), low, high
 
 
 def test_inside_wide_limits_it_is_the_step_itself():
