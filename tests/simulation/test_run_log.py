@@ -136,7 +136,7 @@ def test_flipped_bits_raise_value_error_or_harm_nothing(
         assert "damaged.npz" in str(error)
     else:  # a byte that means nothing, such as a date; or the last block is lost
         assert_same(planar_log.rows(slice(0, len(log))), log)
-        assert len(log) >= len(planar_log) - 3
+        assert len(log) == len(planar_log) or log.info.ended  # it says that rows are missing
 
 
 def test_a_growing_file_can_be_read_wherever_it_ends(growing, planar_log, tmp_path):
