@@ -37,6 +37,9 @@ LEAST_PROGRESS = 1e-3
 CHANGES = 2e-3
 """An error that changes by this fraction of it within the fast window is not flat [-]."""
 
+LASTS = 0.3
+"""An error falls for good if it keeps this fraction of its changes over the slow window [-]."""
+
 NEAR = 3.0
 """An error within this many times the way of the target in the fast window is that of a follower [-]."""
 
@@ -108,7 +111,9 @@ class CalmRule:
         """The calm of an arm that goes on."""
         return self.raised(max(AWAKE, calm))
 
-    def undisturbed(self, calm: float, error: float, fast: Motion, *, rests: bool) -> float:
+    def undisturbed(
+        self, calm: float, error: float, fast: Motion, slow: Motion, *, rests: bool
+    ) -> float:
         """The calm of an arm that does not shake before a target out of the tolerance.
 
         It grows while the error falls by more than the target's own motion, and while the joints run on
@@ -120,12 +125,14 @@ class CalmRule:
             calm: of this cycle.
             error: length of the task error [m].
             fast: motion in the fast window.
+            slow: motion in the slow one, which sees whether the error rises again.
             rests: nothing moves.
         """
         if calm == 1.0:
             return calm
         progress = PROGRESS * max(calm, LEAST_PROGRESS) * self._cycles * error
-        if fast.fall - fast.net_target > max(progress, (1.0 - CONSISTENT) * fast.rough):
+        falls = fast.fall - fast.net_target > max(progress, (1.0 - CONSISTENT) * fast.rough)
+        if falls and slow.fall > LASTS * slow.rough:
             return self.awake(calm)
         runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
         if runs and abs(fast.fall) > CHANGES * error:

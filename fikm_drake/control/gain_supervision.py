@@ -288,7 +288,7 @@ class GainSupervision:
             if joint >= 0:
                 named["joint"], calm = joint, rule.lowered(calm)
             else:
-                calm = rule.undisturbed(calm, size, fast, rests=bool(named["rests"]))
+                calm = rule.undisturbed(calm, size, fast, slow, rests=bool(named["rests"]))
         if named["cycles"] >= self._window - 1:
             named["rests"] = fast.path_step < AT_REST * (self._window - 1)
         if calm <= rule.damped_first < before:

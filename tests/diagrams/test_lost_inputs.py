@@ -66,16 +66,16 @@ def test_a_lost_measurement_holds_the_command(plant, run, fused, bad, joint):
     assert lengths(series["task_error"])[-1] < 1e-6
 
 
-def test_a_measurement_beyond_the_frame_counts(plant, run, fused):
-    """Joint 7 does not move link4: all the same the status says so and the command holds."""
+def test_a_measurement_of_an_inner_frame_counts(plant, run, fused):
+    """The controller of link4 has the four joints before it; one that is lost holds them all."""
 
     def measure(k, commanded):
         if 5 <= k < 9:
-            commanded[6] = np.nan
+            commanded[3] = np.nan
         return commanded
 
     config = fd.FuzzyIkConfig(fused=fused, measured_position=True, frame="link4")
-    series = run(plant, config, Q0, np.tile([0.2, -0.2, 0.5], (20, 1)), measure)
+    series = run(plant, config, Q0[:4], np.tile([0.2, -0.2, 0.5], (20, 1)), measure)
     assert (series["status"][5:9] == Status.INVALID_INPUT).all()
     held = series["commanded_position"][5:10]
     np.testing.assert_array_equal(held, np.tile(held[0], (5, 1)))

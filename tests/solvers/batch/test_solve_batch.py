@@ -202,7 +202,7 @@ def test_input_arrays_are_left_alone(home, reachable):
 
 def test_solution_tells_its_counts():
     solution = solve_batch(load_arm("iiwa14"), [[0.4, 0, 0.5], [9, 0, 0], [np.nan, 0, 0]])
-    assert repr(solution) == "<BatchSolution: 1 invalid_input, 1 solved, 1 out_of_reach>"
+    assert repr(solution) == "<BatchSolution: 1 invalid_input, 1 solved, 1 unreachable>"
     with pytest.raises(dataclasses.FrozenInstanceError):
         solution.q = None
 

@@ -72,7 +72,7 @@ def test_prismatic_joints_are_refused(tojo):
         fd.TiltedPlaneInverse,
         lambda arm, workplane: fd.WorkplaneInverse(arm, workplane, np.zeros(4)),
     ):
-        with pytest.raises(ValueError, match="joint 3 of 'tojo4dof'"):
+        with pytest.raises(ValueError, match="joint3 of 'tojo4dof'"):
             make(fd.DhArm(table), tojo.workplane)
 
 
