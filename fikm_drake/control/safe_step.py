@@ -18,6 +18,8 @@ from fikm_drake.laws.law import Law
 
 DEAD = 1e-3
 """A law whose step is shorter than this times the error sees no way [rad/m]."""
+UNMOVED = 1e-9
+"""A joint whose column is below this fraction of the largest does not move the tool [-]."""
 PASSES = 2
 """Weighted steps of a cycle: the first can turn other joints toward their limits [-]."""
 
@@ -65,7 +67,7 @@ class SafeStep:
             damping: for a law that takes it [-], else None.
         """
         step, _, _ = self._free(q, J, error, damping)
-        return self._short(step, error)
+        return self._short(step, error, J)
 
     def inside(
         self,
@@ -89,7 +91,7 @@ class SafeStep:
             damping: for a law that takes it [-], else None.
         """
         free, weights, secondary = self._free(q, J, error, damping)
-        short = self._short(free, error)
+        short = self._short(free, error, J)
         if box.surely_holds(short):
             return short, False
         limits, (low, high) = box.limits, box.steady_bounds
@@ -129,7 +131,7 @@ class SafeStep:
             step = step + secondary
         return step, weights, secondary
 
-    def _short(self, step: Array, error: Array) -> Array:
+    def _short(self, step: Array, error: Array, J: Array) -> Array:
         """The step, no longer than the longest, aside where it is dead, zeros if it is not finite."""
         size = length(step)
         if size == inf:
@@ -137,7 +139,9 @@ class SafeStep:
         if size > self._longest:
             return step * (self._longest / size)
         if self._dead and size < self._dead * length(error):
-            aside_too = step + self._side_step * length(error) * aside(len(step))
+            reach = np.abs(J).max(axis=0)
+            moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
+            aside_too = step + self._side_step * length(error) * aside(len(step)) * moving
             size = length(aside_too)
             return aside_too * (self._longest / size) if size > self._longest else aside_too
         return step

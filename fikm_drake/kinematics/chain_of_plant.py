@@ -11,7 +11,7 @@ from pydrake.multibody.tree import Frame, Joint, ModelInstanceIndex
 from pydrake.systems.framework import Context
 
 from fikm_drake.arrays import Array
-from fikm_drake.kinematics.plant_frames import as_frame
+from fikm_drake.kinematics.plant_frames import as_frame, frame_by_name
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.transforms import TURN_OVER
 
@@ -41,6 +41,8 @@ def chain_of_plant(
     """See `SerialChain.from_plant`."""
     if not plant.is_finalized():
         raise ValueError("the plant must be finalized: call plant.Finalize() first")
+    if frame is None:  # of a tool; a base may be left to the world
+        frame_by_name(plant, frame)
     tool, start = as_frame(plant, frame), as_frame(plant, base)
     context = plant.CreateDefaultContext() if context is None else context.Clone()
     way = _way(plant, start, tool)

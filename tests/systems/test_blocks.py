@@ -6,8 +6,9 @@ import threading
 
 import numpy as np
 import pytest
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import SpatialInertia
+from pydrake.multibody.tree import FixedOffsetFrame, SpatialInertia
 
 import fikm_drake as fd
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
