@@ -23,7 +23,7 @@ def as_frame(plant: MultibodyPlant, frame: str | Frame | None) -> Frame:
     return frame_by_name(plant, frame) if isinstance(frame, str) else frame
 
 
-def frame_by_name(plant: MultibodyPlant, name: str) -> Frame:
+def frame_by_name(plant: MultibodyPlant, name: str | None) -> Frame:
     """The only frame of that name, `instance::name` where several model instances have one.
 
     Raises:
