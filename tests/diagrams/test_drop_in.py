@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fikm_drake.experiments.benchmarks.drake_differential_ik import drake_differential_ik
 from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.multibody.inverse_kinematics import DifferentialInverseKinematicsController
@@ -14,6 +13,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import BusValue, DiagramBuilder
 
 import fikm_drake as fd
+from fikm_drake.diagrams.drake_differential_ik import drake_differential_ik
 
 SCRIPT = Path(__file__).parents[2] / "notebooks" / "examples" / "in_place_of_drakes.py"
 HOME = np.array([0.0, 0.6, 0.0, -1.75, 0.0, 1.0, 0.0])
