@@ -1,6 +1,7 @@
 """Chains against Drake: our models, random plants, joints of one's choice."""
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -295,3 +296,14 @@ def test_a_chain_cannot_be_written_to_and_what_is_no_chain_is_named():
         with pytest.raises(ValueError) as error:
             dataclasses.replace(chain, **{field: value})
         assert all(word in str(error.value) for word in words)
+
+
+@pytest.mark.parametrize("name", ["iiwa14", "hassantabar4r"])
+def test_an_arm_that_has_been_used_can_be_sent_to_another_process(name):
+    """The native kernel's addresses hold in one process only."""
+    arm = fd.load_arm(name)
+    q = np.full(arm.num_joints, 0.2)
+    X, J = arm.forward_kinematics(q), arm.jacobian(q)
+    copy = pickle.loads(pickle.dumps(arm))
+    np.testing.assert_array_equal(copy.forward_kinematics(q), X)
+    np.testing.assert_array_equal(copy.jacobian(q), J)

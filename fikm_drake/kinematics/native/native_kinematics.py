@@ -20,6 +20,10 @@ class NativeKinematics:
         self._packed = np.concatenate([packed, np.zeros(3 * num_joints)])
         self._chain = address(self._packed)
 
+    def __reduce__(self) -> tuple:
+        """Pickled as what it was made of: addresses hold in one process only."""
+        return native_kinematics, (self._packed[: -3 * self._n], self._n)
+
     def poses(self, q: Array) -> Array:
         """(…,4,4) at `q` (…,n), contiguous."""
         X = np.empty((*q.shape[:-1], 4, 4))
