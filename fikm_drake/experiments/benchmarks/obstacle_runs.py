@@ -116,7 +116,7 @@ def run_drake(
             recipe=recipe,
             task_frame="world",
             collision_checker=checker,
-            active_dof=DofMask(active),
+            active_dof=DofMask(active.tolist()),
             time_step=1.0 / rate,
             K_VX=settings.gain,
             Vd_TG_limit=SpatialVelocity(np.full(6, settings.speed)),
