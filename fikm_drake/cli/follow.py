@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fikm_drake.cli.shared import FAILED, OK
+from fikm_drake.cli.shared import FAILED, OK, write_files
 from fikm_drake.files import write_whole
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.load_robot import MODELS, load_chain
@@ -67,17 +67,8 @@ def _follow(options: argparse.Namespace) -> int:
         "times": lambda target: _save_times(path, target),
         "html": lambda target: write_path_html(path, model, target),
     }
-    for name, write in writers.items():
-        target = getattr(options, name)
-        if target is None:
-            continue
-        try:
-            write(target)
-            print(f"wrote {target}", file=sys.stderr)
-        except (OSError, ValueError, RuntimeError) as error:
-            print(f"fikm-drake: cannot write {target}: {error}", file=sys.stderr)
-            good = False
-    return OK if good else FAILED
+    written = write_files(options, writers)
+    return OK if good and written else FAILED
 
 
 def _save_times(path: JointPath, target: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from pydrake.common.yaml import yaml_load
 from pydrake.geometry import Meshcat
 
-from fikm_drake.cli.shared import FAILED, OK, code_of, print_json, progress
+from fikm_drake.cli.shared import FAILED, OK, code_of, print_json, progress, write_files
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
@@ -98,21 +98,10 @@ def _folders_exist(options: argparse.Namespace) -> bool:
 
 def _write(log: RunLog, options: argparse.Namespace) -> bool:
     """Write the files that were asked for, each even if another fails; True if all could be."""
-    good = True
     writers: dict[str, Callable] = {
         "log": log.save,  # again: the file that grew with the run may have failed
         "csv": log.to_csv,
         "plot": lambda path: plot_log(log, path),
         "html": lambda path: write_html(log, path),
     }
-    for name, write in writers.items():
-        path = getattr(options, name)
-        if path is None:
-            continue
-        try:
-            write(path)
-            print(f"wrote {path}", file=sys.stderr)
-        except (OSError, ValueError, RuntimeError) as error:
-            print(f"fikm-drake: cannot write {path}: {error}", file=sys.stderr)
-            good = False
-    return good
+    return write_files(options, writers)

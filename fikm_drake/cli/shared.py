@@ -100,3 +100,24 @@ def _plain(data: object) -> object:
     if data is None or isinstance(data, bool | int | float | str):
         return data
     return str(data)
+
+
+def write_files(options: argparse.Namespace, writers: dict[str, Callable[[str], object]]) -> bool:
+    """Write the files that were asked for, each even if another fails; True if all could be.
+
+    Args:
+        options: has a path, or None, under the name of each writer.
+        writers: what writes to a path, by the option that names it.
+    """
+    good = True
+    for name, write in writers.items():
+        path = getattr(options, name)
+        if path is None:
+            continue
+        try:
+            write(path)
+            print(f"wrote {path}", file=sys.stderr)
+        except (OSError, ValueError, RuntimeError) as error:
+            print(f"fikm-drake: cannot write {path}: {error}", file=sys.stderr)
+            good = False
+    return good
