@@ -4,6 +4,7 @@ Pages: the public names (`import fikm_drake as fd`), and each room of the packag
 warning of pdoc is an error here.
 """
 
+import importlib
 import pkgutil
 import re
 import sys
@@ -41,6 +42,9 @@ def readable(docstring: str) -> str:
 
 def build(folder: Path) -> list[str]:
     """Write the pages; returns pdoc's warnings."""
+    importlib.import_module(
+        "matplotlib.font_manager"
+    )  # its first import asks fc-list: pdoc forbids that
     pdoc.render.configure(docformat="google", math=True, show_source=False)
     convert = pdoc.docstrings.convert
     pdoc.docstrings.convert = lambda docstring, *rest: convert(readable(docstring), *rest)
