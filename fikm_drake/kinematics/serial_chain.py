@@ -213,7 +213,7 @@ class SerialChain:
         if self._native:
             return self._native.poses(np.ascontiguousarray(q))
         if q.ndim == 1:
-            return self.one.poses(q)[1]
+            return self.one.pose(q)
         frames = self._frames(q.reshape(-1, self.num_joints).T)
         X = np.zeros((frames.position.shape[1], 4, 4))
         X[:, :3, :3] = frames.rotation.transpose(2, 1, 0)
@@ -237,7 +237,7 @@ class SerialChain:
         if self._native:
             return self._native.jacobians(np.ascontiguousarray(q))
         if q.ndim == 1:
-            return self.one.jacobian(*self.one.poses(q))
+            return self.one.jacobian(q)
         J = self._frames(q.reshape(-1, self.num_joints).T).jacobian()
         return np.ascontiguousarray(J.transpose(2, 0, 1)).reshape(*q.shape[:-1], *J.shape[:2])
 

@@ -58,12 +58,12 @@ def test_one_posture_equals_many():
     for chain in chains():
         q = np.random.default_rng(3).uniform(-7.0, 7.0, chain.num_joints)
         frames = chain.frames(q[:, None])
-        poses, X = chain.one.poses(q)
+        X = chain.one.pose(q)
         exact = {"rtol": 0, "atol": 1e-12}
         np.testing.assert_allclose(X[:3, 3], frames.position[:, 0], **exact)
         np.testing.assert_allclose(X[:3, :3], frames.rotation[..., 0].T, **exact)
         for length in (1.0, 0.3, None):
-            J = chain.one.jacobian(poses, X, length)
+            J = chain.one.jacobian(q, length)
             np.testing.assert_allclose(J, frames.jacobian(length)[..., 0], **exact)
 
 

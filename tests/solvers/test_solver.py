@@ -19,13 +19,15 @@ def path(request, monkeypatch):
     return request.param
 
 
-@pytest.mark.parametrize("task", ["position", "pose"])
-def test_one_target_is_answered_as_among_many(path, task, home, reachable):
-    arm = fd.load_arm("panda")
+@pytest.mark.parametrize(
+    "name, task", [("panda", "position"), ("panda", "pose"), ("puma560", "pose")]
+)
+def test_one_target_is_answered_as_among_many(path, name, task, home, reachable):
+    arm = fd.load_arm(name)
     X = reachable(arm, 12, 1)
     targets = X if task == "pose" else X[:, :3, 3]
     solver = fd.Solver(arm, task=task)
-    for start in (home["panda"], None):
+    for start in (home.get(name, arm.default_position), None):
         many = solver.solve_batch(targets, start)
         for i, target in enumerate(targets):
             one = solver.solve(target, start)

@@ -12,13 +12,15 @@ from fikm_drake.solvers.batch import descent as constants
 from fikm_drake.solvers.batch.batch_solution import SolverStatus
 from fikm_drake.solvers.batch.batch_targets import FARTHEST, ORTHONORMAL, BatchTargets, are_valid
 from fikm_drake.solvers.batch.descent import LENGTH, Descent, Ends
-from fikm_drake.solvers.batch.descent_of_one import descend_one
+from fikm_drake.solvers.batch.descent_of_one import DescentOfOne
 from fikm_drake.solvers.batch.problem import Problem
 
 CHUNK = 2048
 """Starts that run side by side: their arrays stay in the processor's cache."""
 RESTARTS = (4, 64)
 """Restarts of a target that run side by side at first, twice as many each time after, and at most."""
+ALONE = 8
+"""Restarts of an only target, one after the other, before others run side by side."""
 STATUS, CYCLES, POSITION, ROTATION = range(4)
 """Columns of a search's figures."""
 
@@ -53,8 +55,12 @@ class NumpySearch:
         figures[:, POSITION:] = np.nan
         if start is not None:
             q[:] = start / problem.unit
-        self._first_starts(q, figures, targets, np.flatnonzero(are_valid(targets)), start is None)
-        self._restarts(q, figures, targets, 1 if start is None else 0)
+        which, nearest = np.flatnonzero(are_valid(targets)), int(start is None)
+        tried = self._one(q, figures, targets, nearest) if count == which.size == 1 else None
+        if tried is None:
+            self._first_starts(q, figures, targets, which, start is None)
+            tried = nearest
+        self._restarts(q, figures, targets, tried, nearest + problem.restarts)
         # The best of a target that stays unsolved is where a quick start was given up: go on there.
         for rows in _chunks(np.flatnonzero(figures[:, STATUS] == SolverStatus.NOT_SOLVED), CHUNK):
             wanted = BatchTargets.from_array(targets[rows], scale)
@@ -76,17 +82,39 @@ class NumpySearch:
                 rows = chunk[here]
                 some = wanted.take(np.flatnonzero(here))
                 begin = np.ascontiguousarray(q[rows].T)
-                if rows.size == 1 and not descent.careful:
-                    _write(q, figures, rows, descend_one(descent, begin, some))
-                elif rows.size:
+                if rows.size:
                     ends = descent.run(begin, some, np.arange(rows.size))
                     _write(q, figures, rows, ends)
             far &= figures[chunk, STATUS] != SolverStatus.SOLVED
             figures[chunk[far], STATUS] = SolverStatus.UNREACHABLE
 
-    def _restarts(self, q: Array, figures: Array, targets: Array, tried: int) -> None:
+    def _one(self, q: Array, figures: Array, targets: Array, nearest: int) -> int | None:
+        """The first starts of the only target, one after the other.
+
+        Returns:
+            How many postures of the pool were among them; None: proven to be out of reach, untried.
+        """
+        problem = self._problem
+        wanted = BatchTargets.from_array(targets, problem.chain.reach)
+        if problem.reach.beyond(wanted)[0]:
+            return None
+        descent, begins = DescentOfOne(self._quick, wanted), problem.pool.q.T
+        tried, most, ranked = 0, nearest + min(ALONE, problem.restarts), None
+        end = best = None if nearest else descent.run(q[0])
+        spent = end.cycles if end else 0
+        while (best is None or best.size >= 0.0) and tried < most:
+            if ranked is None:
+                ranked = problem.pool.nearest(wanted, most)[0]
+            end = descent.run(begins[ranked[tried]])
+            best = end if best is None or end.size < best.size else best
+            tried, spent = tried + 1, spent + end.cycles
+        if best:
+            solved = SolverStatus.SOLVED if best.size < 0.0 else SolverStatus.NOT_SOLVED
+            q[0], figures[0] = best.q, (solved, spent, best.distance, best.angle)
+        return tried
+
+    def _restarts(self, q: Array, figures: Array, targets: Array, tried: int, last: int) -> None:
         pool, scale, batch = self._problem.pool, self._problem.chain.reach, RESTARTS[0]
-        last = tried + self._problem.restarts
         while tried < last:
             batch = min(batch, last - tried)
             unsolved = np.flatnonzero(figures[:, STATUS] == SolverStatus.NOT_SOLVED)
