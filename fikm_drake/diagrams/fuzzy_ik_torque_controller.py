@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, ModelInstanceIndex
+from pydrake.planning import CollisionChecker
 from pydrake.systems.controllers import InverseDynamicsController
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, OutputPort
 from pydrake.systems.primitives import Adder, Demultiplexer, Gain, MatrixGain
@@ -72,6 +73,9 @@ class FuzzyIkTorqueController(Diagram):
         config: by default `FuzzyIkConfig()`.
         law: another law than the config's.
         task: another task than the config's, an object.
+        collision_checker: what the reference keeps clear of, see `FuzzyIkController`; the outputs
+            **clearance** and **blocking_bodies** are there with one, and `BlockingPair`. The arm is behind
+            the reference by its lag: raise `config.clearance.safe_distance` by that.
         joints: which joints on the way to the tool are driven, see `MakeFuzzyIkController`, as are the
             next two; each needs an actuator.
         reference_frame: in which targets are.
@@ -90,6 +94,7 @@ class FuzzyIkTorqueController(Diagram):
         config: FuzzyIkConfig | None = None,
         law: LawLike | None = None,
         task: TaskKinematics | None = None,
+        collision_checker: CollisionChecker | None = None,
         joints: Joints = None,
         reference_frame: str | Frame | None = None,
         context: Context | None = None,
@@ -109,7 +114,14 @@ class FuzzyIkTorqueController(Diagram):
             reference_frame=reference_frame,
             context=context,
         )
-        ik = AddFuzzyIkController(builder, plant, config=config, law=law, task=whole)
+        ik = AddFuzzyIkController(
+            builder,
+            plant,
+            config=config,
+            law=law,
+            task=whole,
+            collision_checker=collision_checker,
+        )
         self.chain = chain = whole.arm.chain
         """The joints that are driven."""
         if plant.time_step() == 0.0:
@@ -150,6 +162,9 @@ class FuzzyIkTorqueController(Diagram):
         builder.Connect(guard.GetOutputPort("finite_signal"), servo.GetInputPort("estimated_state"))
         desired = ik.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
+        for name in ("null_space_motion", "obstacle_position"):
+            if ik.HasInputPort(name):
+                builder.ExportInput(ik.GetInputPort(name), name)
         builder.ExportInput(guard.get_input_port(), "estimated_state")
         selected = Demultiplexer(np.array([n, n])) if alone else joint_positions(chain, size)
         measured = builder.AddNamedSystem("measured_positions", selected)
@@ -185,6 +200,10 @@ class FuzzyIkTorqueController(Diagram):
             builder.Connect(port, total.get_input_port(i))
         builder.Connect(total.get_output_port(), self._ik.GetInputPort("estimated_position"))
 
+    def BlockingPair(self, context: Context) -> tuple[str, str]:
+        """Scoped names of the bodies that push most in this Diagram's context; empty for none."""
+        return self._ik.BlockingPair(self.GetSubsystemContext(self._ik, context))
+
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
         """Set the commanded joint position (n,) [rad or m] in this controller's context, at rest.
 
@@ -216,6 +235,7 @@ def AddFuzzyIkTorqueController(
     config: FuzzyIkConfig | None = None,
     law: LawLike | None = None,
     task: TaskKinematics | None = None,
+    collision_checker: CollisionChecker | None = None,
     joints: Joints = None,
     reference_frame: str | Frame | None = None,
     context: Context | None = None,
@@ -239,6 +259,7 @@ def AddFuzzyIkTorqueController(
             config=config,
             law=law,
             task=task,
+            collision_checker=collision_checker,
             joints=joints,
             reference_frame=reference_frame,
             context=context,

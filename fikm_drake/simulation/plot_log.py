@@ -20,6 +20,8 @@ SHADES = {
     "INVALID_INPUT": "black",
     "STUCK": "tab:purple",
     "NOT_FOLLOWING": "tab:brown",
+    "BLOCKED": "tab:olive",
+    "RESTART_SEARCH": "tab:pink",
 }
 """Colours of what needs a look, by the status's name."""
 
@@ -27,7 +29,7 @@ SHADES = {
 def plot_log(log: RunLog, path: str | Path | None = None) -> Figure:
     """Draw error, gain or torque, and joints over time, and the path in the plane or in space.
 
-    Cycles whose status needs a look (`SHADES`) are shaded.
+    Cycles whose status needs a look (`SHADES`) are shaded, and the clearance is drawn where there is one.
 
     Args:
         log: a scenario's run.
@@ -51,6 +53,8 @@ def plot_log(log: RunLog, path: str | Path | None = None) -> Figure:
     for axes in (error, middle, joints):
         _shade(axes, log)
         axes.grid(alpha=0.3)
+    if error.get_legend_handles_labels()[1]:
+        error.legend(fontsize=8, loc="upper right")
     error.tick_params(labelbottom=False)
     middle.tick_params(labelbottom=False)
     joints.set_xlabel("time [s]")
@@ -85,7 +89,12 @@ def _plot_error(axes: Axes, log: RunLog) -> None:
 
 
 def _plot_middle(axes: Axes, log: RunLog) -> None:
-    """The gain where there is one, else the commanded speeds."""
+    """The gain where there is one, else the commanded speeds; the clearance where there is one."""
+    if "clearance" in log:
+        right = axes.twinx()
+        right.plot(log.time, 1000 * log.clearance, "--", color="tab:gray")
+        right.set_ylabel("clearance [mm]")
+        right.set_ylim(bottom=min(0.0, 1000 * float(np.nanmin(log.clearance))))
     if "gain" in log and log["gain"].shape[1] == 1:
         axes.step(log.time, log.gain, where="post", color="tab:green")
         axes.set_ylabel("gain K [-]")

@@ -166,7 +166,11 @@ class RunLog:
 
     @property
     def clearance(self) -> Array:
-        """Distance to the nearest obstacle (N,) [m]."""
+        """Distance of the nearest pair of bodies, of which the joints move one (N,) [m].
+
+        There where a scenario has obstacles; negative in penetration. `names_of_values("nearest_pair")`
+        tells which pair it is.
+        """
         return self["clearance"][:, 0]
 
     @property
@@ -227,7 +231,10 @@ class RunLog:
         """
         after = slice(1, None) if len(self) > 1 else slice(None)
         corners = self.scenario.target_motion().corners
-        return tracking_metrics(self.error_after[after], self.actual[after], corners)
+        clearance = float(np.nanmin(self.clearance)) if "clearance" in self else None
+        return tracking_metrics(
+            self.error_after[after], self.actual[after], corners, clearance=clearance
+        )
 
     def replace(self, **series: ArrayLike) -> "RunLog":
         """A copy with other values of some series."""

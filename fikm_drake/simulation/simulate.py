@@ -16,6 +16,7 @@ from fikm_drake.simulation.log_info import LogInfo, names_of, versions
 from fikm_drake.simulation.recorder import POSE_COLUMNS, RowCollector
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import BuiltScenario, Scenario, build_scenario
+from fikm_drake.simulation.scenario.surroundings import NO_PAIR
 
 ERROR_COLUMNS = {
     2: ("x_m", "y_m"),
@@ -118,12 +119,18 @@ def _info(built: BuiltScenario, law: LawLike | None) -> LogInfo:
             columns[name] = [f"joint_step_{joint}" for joint in joints]
         else:
             columns[name] = [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
-    statuses = built.wired.statuses
+    names = {}
+    if built.wired.statuses and "status" in columns:
+        names["status"] = names_of(built.wired.statuses)
+    if built.surroundings is not None:
+        columns |= {"clearance": ["clearance_m"], "nearest_pair": ["nearest_pair"]}
+        pairs = enumerate(built.surroundings.pairs)
+        names["nearest_pair"] = {str(NO_PAIR): ""} | {str(i): pair for i, pair in pairs}
     return LogInfo(
         columns,
         scenario=built.scenario.whole().to_yaml(),
         law="" if law is None else repr(law),
-        names={"status": names_of(statuses)} if statuses and "status" in columns else {},
+        names=names,
         versions=versions(),
     )
 
@@ -146,7 +153,11 @@ def _reader(built: BuiltScenario) -> Callable[[Context], list[Array]]:
         row = [desired, _numbers(X, motion.size), before, after, q, command]
         row.append(_velocity(built, root, (q - last) * built.scenario.control_rate))
         row += _torque(built, root)
-        return row + [_eval(port, root) for port in wired.logged.values()]
+        row += [_eval(port, root) for port in wired.logged.values()]
+        if built.surroundings is not None:
+            nearest = built.surroundings.nearest(built.all_positions(root))
+            row += [np.array([number]) for number in nearest]
+        return row
 
     return read
 

@@ -23,7 +23,17 @@ from fikm_drake.simulation.simulate import SimulationStopped, simulate
 if TYPE_CHECKING:
     import pandas
 
-ROW_FIELDS = ("status", "e_max", "e_mean", "e_ss", "turn_max", "travel", "seconds", "error")
+ROW_FIELDS = (
+    "status",
+    "e_max",
+    "e_mean",
+    "e_ss",
+    "turn_max",
+    "travel",
+    "clearance",
+    "seconds",
+    "error",
+)
 
 
 @dataclass
@@ -45,6 +55,8 @@ class SweepRow:
     """Largest angle to the target's orientation [rad]."""
     travel: float = float("nan")
     """Way of all joints together [rad or m]."""
+    clearance: float = float("nan")
+    """Least distance of the robot to anything [m]."""
     seconds: float = float("nan")
     """Time the run took; NaN where the log was there already."""
     error: str = ""
@@ -249,6 +261,7 @@ def run_one(name: str, scenario: Scenario, folder: Path | None) -> SweepRow:
         e_ss=metrics.e_ss,
         turn_max=float("nan") if metrics.turn_max is None else metrics.turn_max,
         travel=float(np.abs(np.diff(log.q, axis=0)).sum()),
+        clearance=float("nan") if metrics.clearance is None else metrics.clearance,
         seconds=spent,
     )
 

@@ -27,6 +27,8 @@ class TrackingMetrics:
     """Mean angle to the target's orientation [rad]."""
     turn_ss: float | None = None
     """Angle to the target's orientation after the last cycle [rad]."""
+    clearance: float | None = None
+    """Least distance of the robot to anything [m]; None: nothing stands about it."""
 
     def __str__(self) -> str:
         turns = (
@@ -35,20 +37,24 @@ class TrackingMetrics:
             else f", turned off by max {np.rad2deg(self.turn_max):.3f}°, mean "
             f"{np.rad2deg(self.turn_mean):.3f}°, at the end {np.rad2deg(self.turn_ss):.4f}°"
         )
+        clear = "" if self.clearance is None else f", clearance {1000 * self.clearance:.1f} mm"
         return (
             f"e_max {100 * self.e_max:.3f} cm, e_mean {100 * self.e_mean:.3f} cm, "
             f"e_ss {100 * self.e_ss:.4f} cm, distance from the path max "
-            f"{100 * self.path_max:.3f} cm, mean {100 * self.path_mean:.3f} cm{turns}"
+            f"{100 * self.path_max:.3f} cm, mean {100 * self.path_mean:.3f} cm{turns}{clear}"
         )
 
 
-def tracking_metrics(error: Array, actual: Array, waypoints: Array) -> TrackingMetrics:
+def tracking_metrics(
+    error: Array, actual: Array, waypoints: Array, *, clearance: float | None = None
+) -> TrackingMetrics:
     """Metrics of a run.
 
     Args:
         error: desired minus actual after each cycle (N,m) [m], or (N,6) [rad; m].
         actual: tool positions after each cycle (N,m) [m], or poses (N,7), the position last.
         waypoints: corners of the path (k,m) [m].
+        clearance: least distance of the robot to anything [m].
     """
     turns = {}
     if error.shape[1] == 6:
@@ -67,6 +73,7 @@ def tracking_metrics(error: Array, actual: Array, waypoints: Array) -> TrackingM
         e_ss=float(length[-1]),
         path_max=float(distance.max()),
         path_mean=float(distance.mean()),
+        clearance=clearance,
         **turns,
     )
 

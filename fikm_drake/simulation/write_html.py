@@ -12,6 +12,7 @@ from pydrake.systems.framework import DiagramBuilder
 from fikm_drake.arrays import Array
 from fikm_drake.files import write_whole
 from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario.surroundings import add_world
 
 FRAMES_PER_SECOND = 50.0
 MOST_ROWS = 2000
@@ -41,9 +42,7 @@ def write_html(log: RunLog, path: str | Path, *, meshcat: Meshcat | None = None)
     builder = DiagramBuilder()
     plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=0.0)
     robot = scenario.load_robot()
-    robot.add(plant)
-    for i, obstacle in enumerate(scenario.obstacles, start=1):
-        obstacle.add(plant, f"obstacle{i}")
+    add_world(plant, robot, scenario.obstacles)
     plant.Finalize()
     chain = robot.chain(plant)
     visualizer = MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
@@ -98,6 +97,8 @@ def _plots(log: RunLog) -> list[dict]:
         plots.append(_plot("turned off [°]", turn[:, None], zero=True))
     if "gain" in log:
         plots.append(_plot("gain K [-]", log["gain"], zero=True))
+    if "clearance" in log:
+        plots.append(_plot("clearance [mm]", 1000 * log["clearance"], zero=True))
     if "torque" in log:
         plots.append(_plot("torques [N m or N]", log.torque))
     names = [f"q{i}" for i in range(1, log.q.shape[1] + 1)]

@@ -26,6 +26,7 @@ from fikm_drake.simulation.scenario.motion import Motion
 from fikm_drake.simulation.scenario.robots import Robot
 from fikm_drake.simulation.scenario.schema import Scenario
 from fikm_drake.simulation.scenario.site import Site, Wired
+from fikm_drake.simulation.scenario.surroundings import Surroundings, add_world
 from fikm_drake.systems.joint_sensor import JointSensor
 from fikm_drake.systems.target_source import TargetSource
 
@@ -37,7 +38,7 @@ class BuiltScenario:
     scenario: Scenario
     diagram: Diagram
     plant: MultibodyPlant
-    """In the Diagram, but in kinematic runs, where its geometry follows the command."""
+    """In the Diagram, but in kinematic runs, where its geometry follows the command; see `plant_context`."""
     scene_graph: SceneGraph
     robot: Robot
     chain: SerialChain
@@ -45,6 +46,10 @@ class BuiltScenario:
     """The target that the controller gets."""
     wired: Wired
     sensor: JointSensor | None
+    rest: Array
+    """Default positions of the whole plant."""
+    surroundings: Surroundings | None = None
+    """What is near the robot; None where nothing stands about it."""
     driver_model: MultibodyPlant | None = None
     """What Drake's driver computes with; it must live as long as the Diagram."""
 
@@ -68,8 +73,21 @@ class BuiltScenario:
         """Joint positions (n,) of the robot [rad or m]."""
         if self.is_kinematic:
             return self.wired.command.Eval(self.wired.system.GetMyContextFromRoot(root))
-        own = self.plant.GetMyContextFromRoot(root)
-        return self.chain.from_full(self.plant.GetPositions(own))
+        return self.chain.from_full(self.all_positions(root))
+
+    def all_positions(self, root: Context) -> Array:
+        """All positions of `plant`, those that no controller moves too."""
+        if self.is_kinematic:
+            return self.chain.to_full(self.positions(root), self.rest)
+        return self.plant.GetPositions(self.plant.GetMyContextFromRoot(root))
+
+    def plant_context(self, root: Context) -> Context:
+        """A Context of `plant` with the robot where it is: the Diagram's own, in kinematic runs a copy."""
+        if not self.is_kinematic:
+            return self.plant.GetMyContextFromRoot(root)
+        context = self.plant.CreateDefaultContext()
+        self.plant.SetPositions(context, self.all_positions(root))
+        return context
 
 
 def build_scenario(
@@ -103,7 +121,9 @@ def build_scenario(
     robot, option = scenario.load_robot(), scenario.plant_options()
     plant, scene_graph, source = _plant(builder, scenario, robot)
     chain = robot.chain(plant)
+    rest = plant.GetPositions(plant.CreateDefaultContext())
     motion, start = scenario.target_motion(), scenario.start()
+    surroundings = Surroundings.of(scenario, robot, chain)
     site = Site(
         builder,
         robot,
@@ -113,6 +133,8 @@ def build_scenario(
         scenario.control_rate,
         start,
         option if isinstance(option, TorqueDriven) else None,
+        surroundings.checker if surroundings and scenario.avoids else None,
+        scenario.clearance,
     )
     wired = scenario.controller_options().add(site, law)
     if wired.size == 7 and motion.orientation is None:
@@ -121,7 +143,7 @@ def build_scenario(
     desired = target(builder, motion) if target else _source(builder, motion)
     builder.Connect(desired, wired.desired)
     if isinstance(option, Kinematic):
-        full = _full_position(builder, chain, plant, wired.command)
+        full = _full_position(builder, chain, rest, wired.command)
         poses = MultibodyPositionToGeometryPose(plant)
         builder.AddNamedSystem("robot", poses)
         builder.Connect(full, poses.get_input_port())
@@ -134,7 +156,18 @@ def build_scenario(
     diagram = builder.Build()
     diagram.set_name(f"{robot.name} scenario")
     return BuiltScenario(
-        scenario, diagram, plant, scene_graph, robot, chain, motion, wired, sensor, model
+        scenario,
+        diagram,
+        plant,
+        scene_graph,
+        robot,
+        chain,
+        motion,
+        wired,
+        sensor,
+        rest,
+        surroundings,
+        model,
     )
 
 
@@ -151,9 +184,7 @@ def _plant(
         plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=option.time_step)
         plant.set_name("plant")
         source = plant.get_source_id()
-    robot.add(plant)
-    for i, obstacle in enumerate(scenario.obstacles, start=1):
-        obstacle.add(plant, f"obstacle{i}")
+    add_world(plant, robot, scenario.obstacles)
     if isinstance(option, Servos):
         gains = PdControllerGains(p=option.stiffness, d=option.damping)
         for index in plant.GetJointActuatorIndices():
@@ -174,10 +205,9 @@ def _hold_orientation(motion: Motion, chain: SerialChain, start: Array) -> Motio
 
 
 def _full_position(
-    builder: DiagramBuilder, chain: SerialChain, plant: MultibodyPlant, command: OutputPort
+    builder: DiagramBuilder, chain: SerialChain, q: Array, command: OutputPort
 ) -> OutputPort:
-    """The command with the plant's other positions at their defaults."""
-    q = plant.GetPositions(plant.CreateDefaultContext())
+    """The command in the plant's default positions q."""
     n = chain.num_joints
     if command.size() != n:
         raise ValueError(f"the controller commands {command.size()} joints, the tool has {n}")

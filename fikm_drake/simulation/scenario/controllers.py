@@ -37,6 +37,8 @@ class Fuzzy:
 
     config: FuzzyIkConfig | None = None
 
+    avoids = True
+
     def settled(self, size: int, rate: float) -> FuzzyIkConfig:
         """The config with the task of a target's size, at the scenario's rate.
 
@@ -71,13 +73,18 @@ class Fuzzy:
     def add(self, site: Site, law: LawLike | None = None) -> Wired:
         """Add it to a Diagram; `law`: in place of the config's."""
         config = self.settled(site.size, site.rate)
-        config = dataclasses.replace(config, frame=site.robot.frame_name(site.plant))
+        config = dataclasses.replace(
+            config,
+            frame=site.robot.frame_name(site.plant),
+            clearance=site.clearance or config.clearance,
+        )
         if site.torque is None:
             system = AddFuzzyIkController(
                 site.builder,
                 site.plant,
                 config=config,
                 law=law,
+                collision_checker=site.checker,
                 joints=site.robot.joints,
                 name="controller",
             )
@@ -87,6 +94,7 @@ class Fuzzy:
                 site.plant,
                 config=config,
                 law=law,
+                collision_checker=site.checker,
                 joints=site.robot.joints,
                 bandwidth=site.torque.bandwidth,
                 acceleration_limits=site.torque.acceleration_limit,
@@ -126,7 +134,7 @@ class Frmrc:
     gain: float | None = None
     own_reach: bool = False
 
-    measures = False
+    measures, avoids = False, True
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
@@ -162,7 +170,7 @@ class SupervisedDrake:
 
     supervisor: CommandSupervisorConfig = field(default_factory=CommandSupervisorConfig)
 
-    measures = False
+    measures, avoids = False, True
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
@@ -180,6 +188,8 @@ class SupervisedDrake:
             ik.plant(),
             period=1.0 / site.rate,
             config=self.supervisor,
+            collision_checker=site.checker,
+            clearance=site.clearance,
             name="controller",
         )
         bus = site.builder.AddNamedSystem("pose_bus", _PoseBus(f"{arm.name}::tool"))
@@ -190,7 +200,8 @@ class SupervisedDrake:
         site.builder.Connect(nominal.get_output_port(), system.GetInputPort("nominal_posture"))
         site.builder.Connect(bus.get_output_port(), system.GetInputPort("desired_cartesian_poses"))
         port = system.GetOutputPort
-        logged = {name: port(name) for name in ("gain", "oscillating", "valid")}
+        more = () if site.checker is None else ("blocked",)
+        logged = {name: port(name) for name in ("gain", "oscillating", "valid", *more)}
         return Wired(
             system,
             bus.get_input_port(),

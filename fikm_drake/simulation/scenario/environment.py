@@ -7,6 +7,7 @@ import numpy as np
 from pydrake.geometry import Box, Cylinder, Shape, Sphere
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import CoulombFriction, MultibodyPlant
+from pydrake.multibody.tree import SpatialInertia, default_model_instance
 
 from fikm_drake.checks import (
     check_bandwidth,
@@ -124,6 +125,7 @@ class Obstacle:
         box: edges of a box [m].
         radius: of a ball, or of a cylinder along its own z [m].
         length: of the cylinder [m].
+        name: by which logs call it; empty: `obstacle1` and so on, by its place in the list.
     """
 
     xyz: list[float] = field(default_factory=list)
@@ -131,6 +133,7 @@ class Obstacle:
     box: list[float] = field(default_factory=list)
     radius: float = 0.0
     length: float = 0.0
+    name: str = ""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
@@ -144,7 +147,7 @@ class Obstacle:
         check_not_negative("obstacle: length", self.length)
 
     def add(self, plant: MultibodyPlant, name: str) -> None:
-        """Register it with a plant, to see and to collide with."""
+        """Add it to a plant as a body that is welded to the world, to see and to collide with."""
         shape: Shape = (
             Box(*self.box)
             if self.box
@@ -153,6 +156,8 @@ class Obstacle:
             else Sphere(self.radius)
         )
         pose = RigidTransform(RollPitchYaw(self.rpy), np.array(self.xyz))
-        world = plant.world_body()
-        plant.RegisterVisualGeometry(world, pose, shape, name, COLOUR)
-        plant.RegisterCollisionGeometry(world, pose, shape, name, CoulombFriction(0.5, 0.5))
+        body = plant.AddRigidBody(name, default_model_instance(), SpatialInertia.Zero())
+        plant.WeldFrames(plant.world_frame(), body.body_frame(), pose)
+        middle = RigidTransform()
+        plant.RegisterVisualGeometry(body, middle, shape, name, COLOUR)
+        plant.RegisterCollisionGeometry(body, middle, shape, name, CoulombFriction(0.5, 0.5))

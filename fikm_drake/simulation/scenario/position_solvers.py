@@ -33,7 +33,7 @@ class LabVolt:
     tolerance: float = TOLERANCE
     solver: str = "slsqp"
 
-    measures = False
+    measures, avoids = False, False
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
@@ -72,7 +72,7 @@ class Redundancy:
     joint: int = 1
     bounds: str = ""
 
-    measures = False
+    measures, avoids = False, False
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
@@ -109,7 +109,7 @@ class Integer:
     rounding: str = "truncate"
     least_squares: bool = False
 
-    measures = False
+    measures, avoids = False, False
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""

@@ -13,7 +13,8 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.trajectories import Trajectory
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_counts, check_finites, check_positive_finite
+from fikm_drake.checks import check_counts, check_finites, check_flag, check_positive_finite
+from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
@@ -54,7 +55,11 @@ class Scenario:
         target: a `Path`, `!Circle`, `!Csv` or `!Samples`; in Python any Trajectory of Drake's too.
         plant: `kinematic`, `torque_driven`, `servos`, `sim_iiwa`, or its options.
         sensor: how the joints are measured; for controllers with `measured_position` only.
-        obstacles: bodies that stand about the robot.
+        obstacles: bodies that stand about the robot; the log tells the clearance.
+        avoid: whether the controller keeps clear of what stands about it; `labvolt`, `redundancy` and
+            `integer` cannot.
+        clearance: how it does; in a world of obstacles or, given with none, of what the robot's file has.
+            Empty: the controller's own.
         initial_position: joint positions at the start [rad or m]; empty: the nearest to zero inside the
             limits, or a model file's own default; for poses the middle of the limits, which leaves the
             arm free to turn.
@@ -72,6 +77,8 @@ class Scenario:
     plant: Plant = "kinematic"
     sensor: Sensor = field(default_factory=Sensor)
     obstacles: list[Obstacle] = field(default_factory=list)
+    avoid: bool = True
+    clearance: ClearanceConfig | None = None
     initial_position: list[float] = field(default_factory=list)
     control_rate: float = 50.0
     seed: int = 0
@@ -104,8 +111,7 @@ class Scenario:
         controller.validate()
         plant.validate()
         self.sensor.validate()
-        for obstacle in self.obstacles:
-            obstacle.validate()
+        self._validate_obstacles(controller)
         if isinstance(controller, Fuzzy):
             controller.settled(self.target_motion().size, self.control_rate)
         if self.sensor != Sensor() and (not controller.measures or isinstance(plant, TorqueDriven)):
@@ -121,6 +127,34 @@ class Scenario:
                 f"got {self.target.duration} + {self.target.hold}"
             )
         self.start()
+
+    def _validate_obstacles(self, controller: Any) -> None:  # noqa: ANN401 (as controller_options)
+        for obstacle in self.obstacles:
+            obstacle.validate()
+        names = [o.name or f"obstacle{i}" for i, o in enumerate(self.obstacles, start=1)]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"obstacles must have different names, got {', '.join(twice)} twice")
+        check_flag("avoid", self.avoid)
+        if not self.avoid and self.clearance is not None:
+            raise ValueError("clearance is not used: avoid is false")
+        if not self.avoid and not self.obstacles:
+            raise ValueError("avoid: false is not used: there are no obstacles")
+        if self.clearance is not None:
+            self.clearance.validate()
+        if self.avoids and not controller.avoids:
+            raise ValueError(
+                f"controller {type(controller).__name__} cannot keep clear: with avoid: false the obstacles "
+                "are there, and the log tells the clearance; fuzzy, frmrc and supervised_drake avoid them"
+            )
+        own = getattr(getattr(controller, "config", None), "clearance", ClearanceConfig())
+        if own != ClearanceConfig() and (self.clearance is not None or not self.avoids):
+            why = "the scenario has one" if self.avoids else "there is nothing to avoid"
+            raise ValueError(f"controller.config.clearance is not used: {why}")
+
+    @property
+    def avoids(self) -> bool:
+        """Whether the controller gets to know what stands about the robot."""
+        return self.avoid and (bool(self.obstacles) or self.clearance is not None)
 
     @property
     def num_cycles(self) -> int:

@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, OutputPort, System
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.simulation.scenario.environment import TorqueDriven
 from fikm_drake.simulation.scenario.robots import Robot
@@ -31,6 +33,10 @@ class Site:
     """Joint positions at the start (n,) [rad or m]."""
     torque: TorqueDriven | None
     """How torques move the plant, where they do."""
+    checker: CollisionChecker | None = None
+    """What the controller keeps clear of."""
+    clearance: ClearanceConfig | None = None
+    """How it does; None: as its own config says."""
 
 
 @dataclass(frozen=True)
