@@ -4,6 +4,10 @@ import ctypes
 import os
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.native.build import LIBRARY, source_digest
@@ -47,6 +51,8 @@ class Kernel:
             self.kinematics = getattr(loaded, f"fikm_kinematics_{self.instruction_set}")
             self.solve = getattr(loaded, f"fikm_solve_{self.instruction_set}")
             self.step = loaded.fikm_step
+            self.newton, self.arrive = loaded.fikm_newton, loaded.fikm_arrive
+            self.stride = loaded.fikm_stride
         except (AttributeError, ValueError, StopIteration) as error:
             raise OSError(f"{library} is no native kernel: {error}") from error
         self.kinematics.argtypes = [_POINTER, _INT, _LONG, _POINTER, _POINTER, _POINTER]
@@ -56,10 +62,16 @@ class Kernel:
         self.solve.restype = _INT
         self.step.argtypes = [_INT, _INT, _POINTER, _POINTER, *[ctypes.c_double] * 5, _POINTER]
         self.step.restype = _INT
+        curve: list[Any] = [_POINTER, _INT, _POINTER, _INT, _INT, *[_POINTER] * 4]
+        self.newton.argtypes = [*curve, _POINTER, _POINTER, ctypes.c_double, _POINTER]
+        self.arrive.argtypes = [*curve, _POINTER]
+        self.stride.argtypes = [*curve, _INT, _POINTER, _POINTER, _INT, ctypes.c_double]
+        self.stride.argtypes += [_POINTER] * 3
+        self.newton.restype = self.arrive.restype = self.stride.restype = _INT
 
 
-def address(array: Array) -> int:
-    """Where a contiguous array of doubles lies."""
+def address(array: Array | NDArray[np.int64]) -> int:
+    """Where a contiguous array of doubles, or of integers, lies."""
     return array.__array_interface__["data"][0]
 
 

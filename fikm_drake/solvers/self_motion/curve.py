@@ -6,6 +6,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 
 from fikm_drake.arrays import Array
+from fikm_drake.kinematics.native.native_curve import CurveOptions
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 
 ITERATIONS = 12
@@ -18,6 +19,27 @@ FIRST_STEP = 0.03
 """[rad or m]."""
 LEAST_STEP = 1e-7
 """[rad or m]; where even this fails the curve ends in a singular posture."""
+ROUNDING = 1e-12
+"""How far past a limit is none [rad or m]."""
+SEARCH_STEPS = 40
+"""Steps of the search for a point of a curve, at most."""
+LONGEST = 0.5
+"""Step of that search [rad or m]."""
+FOUND = 1e-6
+"""Error at which Newton's method takes over from it [m]."""
+DAMPING = 1e-2
+"""Damping of that search, times the square of the error."""
+OPTIONS = CurveOptions(
+    ITERATIONS,
+    CONVERGED,
+    LEAST_COSINE,
+    LEAST_STEP,
+    ROUNDING,
+    SEARCH_STEPS,
+    LONGEST,
+    FOUND,
+    DAMPING,
+)
 
 
 @dataclass(frozen=True)
@@ -50,6 +72,8 @@ class SelfMotionCurve:
         self.target = target
         self.start = start
         self._q = start.copy()
+        self.native = task.native_curve(target, start, OPTIONS)
+        """The same by the native kernel, where there is one."""
 
     def linearise(self, q: Array) -> tuple[Array, Array]:
         """Error (k−1,) [m] and Jacobian (k−1,k) at the moving joints' positions (k,)."""
@@ -72,6 +96,9 @@ class SelfMotionCurve:
         Returns:
             The point with its tangent on the side of `row`; None where Newton's method fails.
         """
+        if self.native:
+            found = self.native.newton(q, row, value)
+            return CurvePoint(*found) if found else None
         k = q.size
         A, right = np.empty((k, k)), np.zeros((k, 2))
         A[-1], right[-1, 1] = row, 1.0
@@ -91,11 +118,30 @@ class SelfMotionCurve:
                 return CurvePoint(q, tangent / np.sqrt(tangent @ tangent), orientation)
         return None
 
+    def arrive(self, q: Array) -> CurvePoint | None:
+        """A point of the curve, by damped steps from `q` (k,)."""
+        near = self.native.arrive(q) if self.native else self._search(q)
+        point = None if near is None else self.point(near)
+        return point if point is not None and self.is_met(point.q) else None
+
+    def _search(self, q: Array) -> Array | None:
+        for _ in range(SEARCH_STEPS):
+            error, J = self.linearise(q)
+            square = float(error @ error)
+            if square < FOUND**2:
+                return q
+            step = J.T @ np.linalg.solve(J @ J.T + DAMPING * square * np.eye(len(error)), error)
+            q = q + step * min(1.0, LONGEST / np.sqrt(step @ step))
+        return None
+
     def point(self, q: Array) -> CurvePoint | None:
         """The point of the curve at or next to `q` (k,); None where the curve is singular."""
-        error, J = self.linearise(q)
-        null = np.linalg.svd(J)[2][-1]
+        null = self.direction(q)
         return self.solve(q, null, float(null @ q))
+
+    def direction(self, q: Array) -> Array:
+        """A direction (k,) in which the joints at `q` (k,) do not move the tool, of length 1."""
+        return np.linalg.svd(self.linearise(q)[1])[2][-1]
 
     def advance(
         self, here: CurvePoint, before: CurvePoint | None, step: float

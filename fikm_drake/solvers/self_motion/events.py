@@ -5,12 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
+from fikm_drake.solvers.self_motion.curve import ROUNDING, CurvePoint, SelfMotionCurve
 
 HALVINGS = 60
 """At most."""
-ROUNDING = 1e-12
-"""How far past a limit is none [rad or m]."""
 ZERO = 1e-12
 """A root is found where the function, or the gap that holds it, is under this."""
 
@@ -53,19 +51,20 @@ def root_between(
     """The point where a function is zero, between two points where its signs differ."""
     low, high = 0.0, float(here.tangent @ (there.q - here.q))
     at_low, at_high = function(here), function(there)
-    point = here
+    point, stayed = here, ""
     for _ in range(HALVINGS):
-        # Regula falsi, kept off the ends, so that both of them close in.
-        share = np.clip(at_low / (at_low - at_high), 0.05, 0.95)
-        along = low + float(share) * (high - low)
+        # Regula falsi; an end that stays counts half as much each time (Illinois), so both close in.
+        along = low + at_low / (at_low - at_high) * (high - low)
         point = _at(curve, here, there, along)
         value = function(point)
         if abs(value) < ZERO or high - low < ZERO:
             break
         if value * at_low > 0.0:
-            low, at_low = along, value
+            at_high *= 0.5 if stayed == "high" else 1.0
+            low, at_low, stayed = along, value, "high"
         else:
-            high, at_high = along, value
+            at_low *= 0.5 if stayed == "low" else 1.0
+            high, at_high, stayed = along, value, "low"
     return point
 
 

@@ -1,41 +1,19 @@
 """The whole curve of a self-motion, without limits, and a posture in each piece within the limits."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.angles import nearest_turn, wrap
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
-from fikm_drake.solvers.self_motion.polyline import arc_lengths, interpolate
+from fikm_drake.solvers.self_motion.polyline import FINE, arc_lengths, interpolate
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 from fikm_drake.solvers.self_motion.walk import CLOSED, Walls, walk
 
-FINE = 16
-"""Points of a dense polyline for each of a walk's."""
 NEAR = 1e-3
 """How far outside the limits a point of a dense polyline may be within them [rad or m]."""
-SEARCH_STEPS = 40
-"""Steps of the search for a posture, at most."""
-LONGEST = 0.5
-"""Step of that search [rad or m]."""
-FOUND = 1e-6
-"""Error at which Newton's method takes over from it [m]."""
-DAMPING = 1e-2
-"""Damping of that search, times the square of the error."""
-
-
-def arrive(curve: SelfMotionCurve, q: Array) -> CurvePoint | None:
-    """A point of the curve, by damped steps from `q` (k,); limits are ignored."""
-    for _ in range(SEARCH_STEPS):
-        error, J = curve.linearise(q)
-        square = float(error @ error)
-        if square < FOUND**2:
-            point = curve.point(q)
-            return point if point is not None and curve.is_met(point.q) else None
-        step = J.T @ np.linalg.solve(J @ J.T + DAMPING * square * np.eye(len(error)), error)
-        q = q + step * min(1.0, LONGEST / np.sqrt(step @ step))
-    return None
 
 
 def free_line(curve: SelfMotionCurve, start: CurvePoint, max_step: float) -> tuple[Array, bool]:
@@ -57,6 +35,11 @@ class Piece:
     ends: tuple[str, str]
     """What ends it at the first and at the last point, as in `Walk.end`."""
 
+    @cached_property
+    def lengths(self) -> Array:
+        """(K,) arc lengths from the first point."""
+        return arc_lengths(self.q, self.tangents)
+
 
 def both_ways(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step: float) -> Piece:
     """The piece of the curve through a point; closed, it starts and ends there."""
@@ -71,7 +54,7 @@ def both_ways(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step:
 
 def dense(line: Piece) -> Array:
     """Points (D,k) along a piece, close to each other."""
-    lengths = arc_lengths(line.q, line.tangents)
+    lengths = line.lengths
     at = np.interp(np.arange(FINE * (len(line.q) - 1) + 1) / FINE, np.arange(len(line.q)), lengths)
     return interpolate(line.q, line.tangents, lengths, at)
 

@@ -7,6 +7,9 @@ from fikm_drake.kinematics.angles import wrap
 
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Nodes and weights on [−1, 1]."""
+FINE = 16
+"""Segments of a dense polyline for each of a walk's."""
+TINY = float(np.finfo(float).tiny)
 ON_LINE = 1e-3
 """How near a dense polyline a point is on it [rad or m]."""
 
@@ -43,17 +46,51 @@ def interpolate(q: Array, tangents: Array, lengths: Array, at: Array) -> Array:
     )
 
 
-def is_on(line: Array, q: Array, periodic: Bools) -> bool:
-    """Whether a point (k,) is on a dense polyline (D,k), whole turns of periodic joints aside."""
-    offset = q - line
-    offset = np.where(periodic, wrap(offset), offset)
-    nearest = int(np.argmin(np.sum(offset * offset, axis=1)))
-    miss = offset[nearest]
-    if len(line) > 1:
-        low, high = max(nearest - 1, 0), min(nearest + 1, len(line) - 1)
-        chord = line[high] - line[low]
-        size = float(chord @ chord)
-        if size > 0.0:
-            share = np.clip((miss @ chord) / size, -1.0, 1.0)
-            miss = miss - share * chord
-    return bool(np.sqrt(miss @ miss) < ON_LINE)
+class Polylines:
+    """Dense polylines, and whether points are on one of them.
+
+    Pieces of `FINE` segments lie in balls; only in those that a point is in are its segments looked at.
+
+    Args:
+        periodic: (k,): joints for which a whole turn leads to the same posture.
+    """
+
+    def __init__(self, periodic: Bools) -> None:
+        self._periodic = np.flatnonzero(periodic)
+        k = len(periodic)
+        self._pieces, self._centers, self._squares = (
+            np.empty((0, FINE + 1, k)),
+            np.empty((0, k)),
+            np.empty(0),
+        )
+
+    def add(self, line: Array) -> None:
+        """Add a polyline (D,k) of whole pieces, as `dense` makes them."""
+        first = np.arange(0, max(len(line) - 1, 1), FINE)
+        pieces = line[np.minimum(first[:, None] + np.arange(FINE + 1), len(line) - 1)]
+        centers = pieces[:, FINE // 2]
+        away = pieces - centers[:, None]
+        squares = np.einsum("pfk,pfk->pf", away, away).max(axis=1)
+        self._pieces = np.concatenate([self._pieces, pieces])
+        self._centers = np.concatenate([self._centers, centers])
+        self._squares = np.concatenate([self._squares, (np.sqrt(squares) + ON_LINE) ** 2])
+
+    def meet(self, q: Array) -> bool:
+        """Whether a point (k,) is on one of them, whole turns of periodic joints aside."""
+        offset = self._offset(q, self._centers)
+        near = np.flatnonzero(np.einsum("pk,pk->p", offset, offset) <= self._squares)
+        if not near.size:
+            return False
+        pieces = self._pieces[near]
+        chords = np.diff(pieces, axis=1)
+        offset = self._offset(q, pieces[:, :-1])
+        squares = np.einsum("pfk,pfk->pf", chords, chords)
+        share = np.einsum("pfk,pfk->pf", offset, chords) / np.maximum(squares, TINY)
+        offset -= np.clip(share, 0.0, 1.0)[..., None] * chords
+        return bool(np.einsum("pfk,pfk->pf", offset, offset).min() < ON_LINE**2)
+
+    def _offset(self, q: Array, points: Array) -> Array:
+        offset = q - points
+        if self._periodic.size:
+            offset[..., self._periodic] = wrap(offset[..., self._periodic])
+        return offset

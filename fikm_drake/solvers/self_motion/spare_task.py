@@ -1,5 +1,7 @@
 """The equations of a task that leaves one degree of freedom to spare."""
 
+import warnings
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydrake.math import RigidTransform, RotationMatrix
@@ -10,6 +12,8 @@ from fikm_drake.arrays import Array, Bools
 from fikm_drake.kinematics.add_dh_arm import MakeChainPlant, MakeDhArmPlant
 from fikm_drake.kinematics.angles import middle_of_limits
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.native.kernel import MOST_JOINTS, kernel
+from fikm_drake.kinematics.native.native_curve import CurveOptions, NativeCurve
 from fikm_drake.kinematics.plant_frames import check_plant, frame_by_name
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
@@ -75,6 +79,7 @@ class SpareTask:
         """(k,) middle of the limits [rad or m]."""
         self.search_range = _search_range(self.lower, self.upper)
         """(k,) and (k,): the limits, no further than half a turn from their middle [rad or m]."""
+        self._chain = _chain(plant, frame, self.moving) if kernel() else None
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
@@ -144,8 +149,24 @@ class SpareTask:
 
     def is_met(self, target: RigidTransform, q: Array) -> bool:
         """Whether `q` (n,), with no error in the rows that move, has none in the others either."""
+        if not len(self._fixed):
+            return True
         self._plant.SetPositions(self._context, q)
-        return bool(np.abs(self._fixed @ self._error(target)).max(initial=0.0) < MET)
+        return bool(np.abs(self._fixed @ self._error(target)).max() < MET)
+
+    def native_curve(
+        self, target: RigidTransform, start: Array, options: CurveOptions
+    ) -> NativeCurve | None:
+        """The equations for a target and the joints that do not move (n,), where there is a kernel."""
+        loaded, chain = kernel(), self._chain
+        if loaded is None or chain is None:
+            return None
+        positions = chain.from_full(np.arange(self.num_joints)).tolist()
+        moving = np.array([positions.index(joint) for joint in self.moving.tolist()])
+        X = target.GetAsMatrix4()
+        return NativeCurve(
+            loaded, chain.packed(), chain.from_full(start), moving, self._rows, X, options
+        )
 
     def _error(self, target: RigidTransform) -> Array:
         X = self._frame.CalcPoseInWorld(self._context)
@@ -167,6 +188,18 @@ class SpareTask:
             self._world,
         )
         return J[:, self.moving]
+
+
+def _chain(plant: MultibodyPlant, frame: str, moving: NDArray[np.intp]) -> SerialChain | None:
+    """The joints that move a frame as a chain; None if it is not made of all those that do."""
+    try:
+        with warnings.catch_warnings():  # a limit of speed is none of this
+            warnings.simplefilter("ignore")
+            chain = SerialChain.from_plant(plant, frame)
+    except ValueError:
+        return None
+    joints = chain.from_full(np.arange(plant.num_positions()))
+    return chain if np.isin(moving, joints).all() and len(joints) <= MOST_JOINTS else None
 
 
 def _search_range(lower: Array, upper: Array) -> tuple[Array, Array]:

@@ -15,13 +15,12 @@ from fikm_drake.solvers.self_motion.events import turning_point
 from fikm_drake.solvers.self_motion.interval_table import FULL_TURN, TURNING_POINT
 from fikm_drake.solvers.self_motion.loops import (
     Piece,
-    arrive,
     both_ways,
     dense,
     free_line,
     seeds,
 )
-from fikm_drake.solvers.self_motion.polyline import arc_lengths, is_on
+from fikm_drake.solvers.self_motion.polyline import Polylines
 from fikm_drake.solvers.self_motion.self_motion import (
     SelfMotion,
     SelfMotionComponent,
@@ -127,17 +126,20 @@ class SelfMotionTracer:
         task = self._task
         q, target = self._posture_and_target(q_or_target)
         curve = SelfMotionCurve(task, target, task.default_position if q is None else q)
-        first = None if q is None else curve.point(q[task.moving])
+        first = None
+        if q is not None:  # where it is singular it is on its own curve all the same
+            here = q[task.moving]
+            first = curve.point(here) or CurvePoint(here, curve.direction(here))
         lines = self._free_lines(curve, first)
         starts = [seed for line, closed in lines for seed in seeds(curve, line, closed)]
         if first and _is_inside(task, first.q):
             starts.insert(0, first)
         pieces: list[Piece] = []
-        traced: list[Array] = []
+        traced = Polylines(self._walls.periodic)
         for start in starts:
-            if not any(is_on(line, start.q, self._walls.periodic) for line in traced):
+            if not traced.meet(start.q):
                 pieces.append(both_ways(curve, start, self._walls, self._max_step))
-                traced.append(dense(pieces[-1]))
+                traced.add(dense(pieces[-1]))
         return SelfMotion(_status(bool(lines), pieces), [_component(curve, p) for p in pieces])
 
     def _posture_and_target(
@@ -157,15 +159,17 @@ class SelfMotionTracer:
         """The curves that hold the target without limits, as dense polylines; whether each closes."""
         task = self._task
         rng = np.random.default_rng(self._seed)
-        lines = [] if first is None else [free_line(curve, first, self._max_step)]
-        known = 0
-        while known < self._searches:
-            point = arrive(curve, rng.uniform(*task.search_range))
-            known += 1
-            if point and not any(is_on(line, point.q, task.revolute) for line, _ in lines):
+        lines: list[tuple[Array, bool]] = []
+        traced, point, known = Polylines(task.revolute), first, 0
+        while True:
+            if point and not traced.meet(point.q):
                 lines.append(free_line(curve, point, self._max_step))
+                traced.add(lines[-1][0])
                 known = 0
-        return lines
+            if known == self._searches:
+                return lines
+            point = curve.arrive(rng.uniform(*task.search_range))
+            known += 1
 
 
 def _is_inside(task: SpareTask, q: Array) -> bool:
@@ -182,41 +186,42 @@ def _status(reachable: bool, pieces: list[Piece]) -> SelfMotionStatus:
 
 def _component(curve: SelfMotionCurve, piece: Piece) -> SelfMotionComponent:
     task = curve.task
-    lower, upper = curve.start.copy(), curve.start.copy()
+    bounds = np.array([curve.start, curve.start])
     ends = [[TURNING_POINT] * task.num_joints for _ in range(2)]
-    for i, joint in enumerate(task.moving.tolist()):
-        for side, bounds in enumerate((lower, upper)):
-            bounds[joint], ends[side][joint] = _extent(curve, piece, i, 2 * side - 1)
+    for side, sign in enumerate((-1.0, 1.0)):
+        bounds[side, task.moving], found = _extents(curve, piece, sign)
+        for joint, end in zip(task.moving.tolist(), found):
+            ends[side][joint] = end
     return SelfMotionComponent(
         task.full(piece.q, curve.start),
         task.full(piece.tangents, np.zeros(task.num_joints)),
-        arc_lengths(piece.q, piece.tangents),
+        piece.lengths,
         piece.ends,
-        lower,
-        upper,
+        bounds[0],
+        bounds[1],
         tuple(ends[0]),
         tuple(ends[1]),
         curve,
     )
 
 
-def _extent(curve: SelfMotionCurve, piece: Piece, joint: int, sign: int) -> tuple[float, str]:
-    """The least (`sign` −1) or greatest (1) position of a joint, and what keeps it from going on."""
-    q, rate = sign * piece.q[:, joint], sign * piece.tangents[:, joint]
-    best = int(np.argmax(q))
-    value, end = float(q[best]), TURNING_POINT
-    if best in (0, len(q) - 1):
-        end = piece.ends[0 if best == 0 else 1]
-        if end == CLOSED:
-            turned = abs(q[-1] - q[0]) > 1.0
-            end = FULL_TURN if turned else TURNING_POINT
+def _extents(curve: SelfMotionCurve, piece: Piece, sign: float) -> tuple[Array, list[str]]:
+    """Least (`sign` −1) or greatest (1) positions (k,), and what keeps each joint from going on."""
+    q, rates = sign * piece.q, sign * piece.tangents
+    best, last = np.argmax(q, axis=0), len(q) - 1
+    values, ends = q.max(axis=0), [TURNING_POINT] * q.shape[1]
+    for joint in np.flatnonzero((best == 0) | (best == last)).tolist():
+        ends[joint] = piece.ends[0 if best[joint] == 0 else 1]
+        if ends[joint] == CLOSED:
+            turned = abs(q[-1, joint] - q[0, joint]) > 1.0
+            ends[joint] = FULL_TURN if turned else TURNING_POINT
     # Between two points a joint may go a little further than at either.
-    step = np.linalg.norm(np.diff(piece.q, axis=0), axis=1)
-    hump = (rate[:-1] > NOISE) & (rate[1:] < -NOISE)
-    reach = np.maximum(q[:-1], q[1:]) + step * np.minimum(rate[:-1], -rate[1:])
-    for i in np.flatnonzero(hump & (reach > value)).tolist():
+    step = np.sqrt(np.sum(np.diff(q, axis=0) ** 2, axis=1))[:, None]
+    hump = (rates[:-1] > NOISE) & (rates[1:] < -NOISE)
+    reach = np.maximum(q[:-1], q[1:]) + step * np.minimum(rates[:-1], -rates[1:])
+    for i, joint in np.argwhere(hump & (reach > values)).tolist():
         here, there = (CurvePoint(piece.q[k], piece.tangents[k]) for k in (i, i + 1))
-        top = float(sign * turning_point(curve, here, there, joint).q[joint])
-        if top > value:
-            value, end = top, TURNING_POINT
-    return sign * value, end
+        top = sign * turning_point(curve, here, there, joint).q[joint]
+        if top > values[joint]:
+            values[joint], ends[joint] = top, TURNING_POINT
+    return sign * values, ends

@@ -51,8 +51,12 @@ def walk(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step: floa
     """Walk from `start`, which is within the walls, along its tangent."""
     points = [start]
     end = _blocked(curve, start, walls)
-    step, before = min(FIRST_STEP, max_step), None
+    step = min(FIRST_STEP, max_step)
     while not end:
+        before = None
+        if len(points) > 1:
+            step = _stride(curve, points, walls, max_step, step)
+            before = points[-2]
         here = points[-1]
         there = curve.advance(here, before, step)
         if there is None:
@@ -70,14 +74,28 @@ def walk(curve: SelfMotionCurve, start: CurvePoint, walls: Walls, max_step: floa
             end = limit_name(curve, joint, side)
         elif closing:
             end = CLOSED
-        elif len(points) == MOST_POINTS:
+        elif len(points) >= MOST_POINTS:
             end = TOO_LONG
         points.append(there)
         turn = there.tangent @ here.tangent
         step = min(max_step, 1.5 * step) if turn > 0.99 else step
-        before = here
     q, tangents = (np.array([getattr(p, name) for p in points]) for name in ("q", "tangent"))
     return Walk(q, tangents, end)
+
+
+def _stride(
+    curve: SelfMotionCurve, points: list[CurvePoint], walls: Walls, max_step: float, step: float
+) -> float:
+    """Let the native kernel walk on to the next event, where there is one; the next step."""
+    if curve.native is None:
+        return step
+    before, here = ((point.q, point.tangent) for point in points[-2:])
+    bounds = np.array([walls.lower, walls.upper, walls.periodic], dtype=float)
+    q, tangents, step = curve.native.stride(
+        before, here, int(points[-1].orientation), bounds, points[0].q, max_step, step
+    )
+    points += [CurvePoint(*row, points[-1].orientation) for row in zip(q, tangents)]
+    return step
 
 
 def limit_name(curve: SelfMotionCurve, joint: int, side: str) -> str:

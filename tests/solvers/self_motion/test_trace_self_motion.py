@@ -11,6 +11,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.dh_table import DhJoint, DhTable, DhTransform
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.task import Task
+from fikm_drake.solvers.self_motion import spare_task
 from fikm_drake.solvers.self_motion.closest_to_mid_range import closest_to_mid_range
 from fikm_drake.solvers.self_motion.feasible_intervals import (
     feasible_interval_table,
@@ -159,6 +160,33 @@ def test_a_singular_posture_is_reported():
     assert motion.status == SelfMotionStatus.INCOMPLETE
     assert motion.components[0].ends == ("singular", "singular")
     np.testing.assert_allclose(motion.components[0].q, [np.full(7, 0.4)], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "name, task, count",
+    [("iiwa14", "pose", 4), ("panda", "pose", 6), ("hassantabar3r", "xy", 12), ("arm7", "pose", 4)],
+)
+def test_the_kernel_traces_what_numpy_traces(native_kernel, monkeypatch, name, task, count):
+    arm = load_arm(name)
+    q = np.random.default_rng(5).uniform(
+        np.maximum(arm.lower, -3.0), np.minimum(arm.upper, 3.0), (count, arm.num_joints)
+    )
+    monkeypatch.setattr(spare_task, "kernel", lambda: native_kernel)
+    native = SelfMotionTracer(arm, task)
+    ours = [native.trace(row) for row in q]
+    monkeypatch.setattr(spare_task, "kernel", lambda: None)
+    numpy = SelfMotionTracer(arm, task)
+    for one, row in zip(ours, q):
+        two = numpy.trace(row)
+        assert one.status == two.status and len(one.components) == len(two.components)
+        for a, b in zip(one.components, two.components):
+            assert a.curve.native and not b.curve.native
+            assert a.ends == b.ends
+            moves = a.upper - a.lower > 1e-9  # of a joint that stands any point may be the least
+            for ends in ("lower_end", "upper_end"):
+                assert (np.array(getattr(a, ends)) == getattr(b, ends))[moves].all()
+            assert a.length == pytest.approx(b.length, rel=1e-4)
+            np.testing.assert_allclose([a.lower, a.upper], [b.lower, b.upper], rtol=0, atol=1e-9)
 
 
 def test_four_joints_with_planar_pose_are_three_joints_with_position():
