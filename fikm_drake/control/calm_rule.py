@@ -46,6 +46,12 @@ NEAR = 3.0
 JUMP = 0.05
 """A target that moves by more than this fraction of the error in a cycle has left it behind [-]."""
 
+CREEPS = 5e-4
+"""A calmed arm gets nowhere if a cycle takes away less than this fraction of the error, times the calm [-]..."""
+
+STILL = 0.01
+"""...before a target that moved by less than this fraction of the error in the slow window [-]."""
+
 DEEP = 0.1
 """An arm at rest with less than this fraction of its gain is calmed further [-]."""
 
@@ -62,7 +68,8 @@ class CalmRule:
     - one turns round `sign_changes` times within the fast window, or `slow_sign_changes` times within
       the slow one while the error stays; turns of joints that hardly move are left aside;
     - most of their motion in that window leads nowhere;
-    - neither the target's own jitter nor noise of the measured joints explains it.
+    - neither the target's own jitter nor noise of the measured joints explains it; of the noise the
+      slow window tells more, since one of ten cycles is noisy itself.
 
     Args:
         config: the constants of the supervisor.
@@ -93,6 +100,8 @@ class CalmRule:
             fast: motion in the fast window.
             slow: motion in the slow one.
         """
+        if _noisy(slow):
+            return -1
         if fast.changes >= self._threshold and _to_and_fro(fast):
             return fast.joint
         if slow.changes >= self._slow_threshold and _to_and_fro(slow):
@@ -118,8 +127,9 @@ class CalmRule:
 
         It grows while the error falls by more than the target's own motion, and while the joints run on
         and the error changes, as behind a target that moves; if that is far away only the gain comes
-        back, not what the damping stills. A flat error is that of an arm which creeps toward its best
-        point: it stays calm, and becomes calmer.
+        back, not what the damping stills. Both must hold in the slow window too: in the fast one half a
+        swing looks the same. A flat error before a target that rests is that of an arm which creeps
+        toward its best point: it becomes calmer, or it would come to the next shaking.
 
         Args:
             calm: of this cycle.
@@ -134,19 +144,27 @@ class CalmRule:
         falls = fast.fall - fast.net_target > max(progress, (1.0 - CONSISTENT) * fast.rough)
         if falls and slow.fall > LASTS * slow.rough:
             return self.awake(calm)
-        runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT
+        runs = fast.path_step > 0.0 and fast.cancelled < CONSISTENT and slow.cancelled < CANCELLED
         if runs and abs(fast.fall) > CHANGES * error:
             if error < NEAR * fast.net_target:
                 return self.awake(calm)
             return max(calm, min(self.damped_first, self.awake(calm)))
         if rests and calm < DEEP * self.damped_first:
             return self.lowered(calm)
+        creeps = slow.fall < CREEPS * calm * slow.cycles * error
+        if creeps and slow.cycles > self._cycles and slow.net_target < STILL * error:
+            return self.lowered(calm)
         return calm
+
+
+def _noisy(motion: Motion) -> bool:
+    """True if noise of the measured joints explains how they move."""
+    return motion.path_deviation > NOISY * motion.path_step
 
 
 def _to_and_fro(motion: Motion) -> bool:
     """True if joints shake, and not because the target or their measurement does."""
-    if motion.cancelled <= CANCELLED or motion.path_deviation > NOISY * motion.path_step:
+    if motion.cancelled <= CANCELLED or _noisy(motion):
         return False
     jitter = motion.path_target - motion.net_target
     return not jitter > EXPLAINED * (motion.path_error - motion.net_error)

@@ -292,5 +292,7 @@ class GainSupervision:
         if named["cycles"] >= self._window - 1:
             named["rests"] = fast.path_step < AT_REST * (self._window - 1)
         if calm <= rule.damped_first < before:
-            self._windows.start(named)  # less gain only if they shake with all the damping too
+            self._windows.forget_turns(
+                named
+            )  # less gain only if they shake with all the damping too
         named["calm"] = calm

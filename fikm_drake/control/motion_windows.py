@@ -40,6 +40,8 @@ class Motion(NamedTuple):
     """The path of that length [m]."""
     path_deviation: float
     """Path deviation of the measured joints beside their command [rad or m]."""
+    cycles: int
+    """Cycles that were summed (-)."""
 
     @property
     def cancelled(self) -> float:
@@ -97,6 +99,10 @@ class MotionWindows:
         memory["rings"] = 0.0
         memory["cycles"] = memory["largest"] = 0.0
         memory["last_size"] = -1.0
+
+    def forget_turns(self, memory: np.void) -> None:
+        """Count changes of sign anew; what was gone and how stays known."""
+        memory["rings"][:, :, self._flips] = 0.0
 
     def add(
         self,
@@ -171,5 +177,6 @@ class MotionWindows:
             path_step, path_error, path_target, total, fall, rough, strayed = lengths
             mean = total / count if count else inf
             paths = (step, path_step, path_error, error, target, path_target)
-            motions.append(Motion(*paths, most, flips.index(most), mean, fall, rough, strayed))
+            most_of = flips.index(most)
+            motions.append(Motion(*paths, most, most_of, mean, fall, rough, strayed, count))
         return motions[0], motions[1]

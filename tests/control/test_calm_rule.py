@@ -125,6 +125,14 @@ def test_what_noise_of_the_measured_joints_explains_is_no_oscillation():
     assert Loop().cycles(steps, deviations=-steps).min() < 0.1
 
 
+def test_noise_of_the_measured_joints_is_judged_over_the_slow_window():
+    """In ten cycles noise is little or much by chance; one still period in it calms nothing."""
+    rng = np.random.default_rng(1)
+    noise = 1e-3 * rng.normal(size=(400, 3))
+    noise[200:208] = noise[200]
+    assert (Loop().cycles(shaking(400, size=4e-4), deviations=noise) == 1.0).all()
+
+
 def test_a_target_that_jumps_wakes_at_once():
     loop = Loop()
     loop.cycles(shaking(200))
@@ -140,6 +148,33 @@ def test_an_error_that_falls_wakes_and_a_flat_one_calms_further():
     falls = 0.5 * 0.98 ** np.arange(30)
     calms = loop.cycles(np.full((30, 3), 1e-3), errors=falls[:, None] * [1.0, 0.0])
     assert calms[-1] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("fall", "way", "calmer"),
+    [(0.0, 0.0, True), (-1e-4, 0.0, True), (4e-3, 0.0, False), (0.0, 2e-3, False)],
+)
+def test_a_calmed_arm_that_creeps_becomes_calmer_unless_it_gets_somewhere(fall, way, calmer):
+    """It would creep on to the next singular posture and shake there; 1 mm a cycle is no rest."""
+    loop = Loop()
+    low = loop.cycles(shaking(10))[-1]
+    assert DAMPED_FIRST < low < 1.0
+    k = np.arange(200)[:, None]
+    errors = 0.5 * (1.0 - fall) ** k * [1.0, 0.0]
+    calms = loop.cycles(np.tile([1e-3, 0, 0], (200, 1)), errors, targets=way * k * [0.0, 1.0])
+    assert bool(calms[-1] < 1e-3) is calmer
+    assert calmer or calms[-1] >= calms[15] > 0.1
+
+
+@pytest.mark.parametrize("half", [3, 4, 5])
+def test_half_a_swing_wakes_nothing(half):
+    """The error falls in each half of a swing and rises in the other, before a target that rests."""
+    swing = shaking(300, half)
+    loop = Loop()
+    calms = loop.cycles(swing, errors=FAR - 0.5 * np.cumsum(swing, axis=0)[:, 1:])
+    first = np.flatnonzero(calms < DAMPED_FIRST)[0]
+    assert first < 100
+    assert (np.diff(calms[first:]) <= 0.0).all() and calms[-1] < 1e-3
 
 
 def test_before_a_moving_target_far_away_the_gain_comes_back_and_the_damping_stays():

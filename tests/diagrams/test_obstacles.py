@@ -78,7 +78,7 @@ def test_diagram_and_fused_are_one(plant):
 def test_before_a_wall_it_is_blocked_rests_and_names_the_wall(plant, fused):
     seen = checker(WALL)
     controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
-    q, status, context = drive(controller, TOOL + [0.4, 0.0, 0.0], 600)
+    q, status, context = drive(controller, TOOL + [0.4, 0.0, 0.0], 400)
     guard = fd.Clearance(seen, period=0.01)
     assert min(guard.distance(x) for x in q) >= SAFE - 1e-3
     assert np.abs(np.diff(q[-20:], axis=0)).max() <= 1e-5
