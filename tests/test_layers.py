@@ -18,6 +18,7 @@ LAYERS = [
     "kinematics",
     "fuzzy",
     "checks",
+    "executors",
     "arrays",
     "resources",
     "files",

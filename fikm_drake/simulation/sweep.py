@@ -5,8 +5,8 @@ import io
 import itertools
 import re
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, Future, as_completed
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydrake.common.yaml import yaml_load
 
+from fikm_drake.executors import completed
 from fikm_drake.files import whole_file
 from fikm_drake.resources import find_model
 from fikm_drake.simulation.run_log import RunLog
@@ -230,7 +231,10 @@ def sweep(
     if place is not None:
         place.mkdir(parents=True, exist_ok=True)
     rows: dict[str, SweepRow] = {}
-    for name, row in _done(jobs, executor, place):
+    names = list(jobs)
+    work = [(name, scenario, place) for name, (scenario, _) in jobs.items()]
+    for number, row in completed(executor, run_one, work):
+        name = names[number]
         row.options = jobs[name][1]
         rows[name] = row
         if progress:
@@ -276,28 +280,6 @@ def _kept(path: Path | None, scenario: Scenario) -> RunLog | None:
     except ValueError:
         return None
     return log if same and not log.info.ended else None
-
-
-def _done(
-    jobs: dict[str, tuple[Scenario, dict[str, object]]],
-    executor: Executor | None,
-    folder: Path | None,
-) -> Iterator[tuple[str, SweepRow]]:
-    """Names and rows, as they are done."""
-    if executor is None:
-        for name, (scenario, _) in jobs.items():
-            yield name, run_one(name, scenario, folder)
-        return
-    futures: dict[Future[SweepRow], str] = {
-        executor.submit(run_one, name, scenario, folder): name
-        for name, (scenario, _) in jobs.items()
-    }
-    try:
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    finally:
-        for future in futures:
-            future.cancel()
 
 
 def _jobs(

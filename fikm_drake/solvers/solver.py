@@ -1,8 +1,11 @@
 """Inverse kinematics at the level of positions: made once for a chain, then one target or millions."""
 
+import contextlib
+import functools
 import os
+import pickle
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
+from fikm_drake.executors import completed
 from fikm_drake.kinematics.serial_chain import HasChain, SerialChain, as_chain
 from fikm_drake.solvers.batch.batch_solution import BatchSolution, SolverStatus
 from fikm_drake.solvers.batch.batch_targets import SHAPES, shaped_targets
@@ -20,6 +24,8 @@ BLOCK = 8192
 """Targets that are answered together, by one thread; more of them bring nothing."""
 LEAST_BLOCK = 512
 """Fewer are not worth a thread."""
+REMOTE = 8
+"""Workers that an executor is taken to have."""
 
 
 @dataclass(frozen=True)
@@ -87,8 +93,22 @@ class Solver:
         self.chain = as_chain(arm)
         pair = checked_tolerance(tolerance)
         self._problem = Problem(self.chain, task, pair, limits, restarts, max_cycles, seed)
-        self._search = make_search(self._problem, native)
+        self._search, self._native = make_search(self._problem, native), native
         self._shape = SHAPES[task]
+
+    def __reduce__(self) -> tuple:
+        """Pickled as its arguments: what is computed of them is computed again."""
+        p = self._problem
+        return functools.partial(
+            Solver,
+            task=p.task,
+            tolerance=p.tolerance,
+            limits=p.limits,
+            restarts=p.restarts,
+            max_cycles=p.max_cycles,
+            seed=p.seed,
+            native=self._native,
+        ), (self.chain,)
 
     @property
     def task(self) -> str:
@@ -129,11 +149,15 @@ class Solver:
         initial_position: ArrayLike | None = None,
         *,
         threads: int | None = None,
+        executor: Executor | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> BatchSolution:
         """Answer N targets.
 
         Beside its arguments and results it needs the memory of some thousand targets only.
+
+            with ProcessPoolExecutor() as executor:
+                solution = solver.solve_batch(poses, executor=executor)
 
         Args:
             targets: positions (N,3) [m] or poses (N,4,4).
@@ -141,6 +165,8 @@ class Solver:
                 None: each starts at the nearest of the random postures, which is the fastest; give one
                 where neighbouring targets should get neighbouring postures.
             threads: how many to use; None: one a processor. numpy uses one.
+            executor: of any kind, such as ProcessPoolExecutor or Dask's, in place of threads; the answers
+                are the same, to rounding where a worker has no native kernel and this process has.
             progress: called now and then with the fraction done, by the calling thread.
 
         Returns:
@@ -154,31 +180,32 @@ class Solver:
         n, count = self.chain.num_joints, len(array)
         if threads is not None:
             check_counts(threads=threads)
+            if executor is not None:
+                raise ValueError(f"threads {threads} is not used with an executor")
         start = initial_position
         if start is not None:
             start = self._problem.checked_start(start, ((n,), (count, n)))
         q, figures = np.empty((count, n)), np.empty((count, 4))
-        workers = threads or _processors()
+        workers = REMOTE if executor is not None else threads or _processors()
         size = min(BLOCK, max(LEAST_BLOCK, -(-count // (4 * workers))))
         blocks = [slice(i, min(i + size, count)) for i in range(0, count, size)]
-
-        def answer(rows: slice) -> int:
-            own = start[rows] if start is not None and start.ndim == 2 else start
-            q[rows], figures[rows] = self._answers(array[rows], own)
-            return rows.stop - rows.start
-
         done = 0
-        if workers == 1 or len(blocks) < 2:
-            for rows in blocks:
-                done += answer(rows)
+        with _of_this_process(executor, min(workers, len(blocks))) as chosen:
+            first = self if executor is None else pickle.dumps(self)
+            jobs = [
+                (
+                    first,
+                    array[rows],
+                    start[rows] if start is not None and start.ndim == 2 else start,
+                )
+                for rows in blocks
+            ]
+            for number, answers in completed(chosen, _answer, jobs):
+                rows = blocks[number]
+                q[rows], figures[rows] = answers
+                done += rows.stop - rows.start
                 if progress:
                     progress(done / count)
-        else:
-            with ThreadPoolExecutor(min(workers, len(blocks))) as executor:
-                for future in as_completed([executor.submit(answer, rows) for rows in blocks]):
-                    done += future.result()
-                    if progress:
-                        progress(done / count)
         status = figures[:, STATUS].astype(int)
         return BatchSolution(
             q,
@@ -197,6 +224,27 @@ class Solver:
             keep = self._problem.middle if start is None else start
             q[invalid] = np.broadcast_to(keep, q.shape)[invalid]
         return q, figures
+
+
+def _answer(solver: Solver | bytes, targets: Array, start: Array | None) -> tuple[Array, Array]:
+    """A block's answers; a pickled solver comes from another process."""
+    known = _unpickled(solver) if isinstance(solver, bytes) else solver
+    return known._answers(targets, start)
+
+
+@functools.lru_cache(maxsize=4)
+def _unpickled(solver: bytes) -> Solver:
+    """Kept, so that a worker makes a solver once for many blocks."""
+    return pickle.loads(solver)
+
+
+def _of_this_process(
+    executor: Executor | None, workers: int
+) -> contextlib.AbstractContextManager[Executor | None]:
+    """The executor that was given, or threads, or nothing where one does it all."""
+    if executor is not None or workers < 2:
+        return contextlib.nullcontext(executor)
+    return ThreadPoolExecutor(workers)
 
 
 def solve(
@@ -238,6 +286,7 @@ def solve_batch(
     max_cycles: int = 60,
     seed: int = 0,
     threads: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> BatchSolution:
     """Answer N targets: `Solver(arm, …).solve_batch(targets, …)`, which tell the arguments.
@@ -257,7 +306,9 @@ def solve_batch(
         max_cycles=max_cycles,
         seed=seed,
     )
-    return solver.solve_batch(targets, initial_position, threads=threads, progress=progress)
+    return solver.solve_batch(
+        targets, initial_position, threads=threads, executor=executor, progress=progress
+    )
 
 
 def _processors() -> int:

@@ -6,6 +6,7 @@ chosen by.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import product
 from time import process_time
@@ -15,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
+from fikm_drake.executors import completed
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.anfis_data import ORDERS
 from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
@@ -58,6 +60,7 @@ def search_structures(
     orders: Sequence[int] = tuple(ORDERS),
     epochs: int = 40,
     method: str = "variable_projection",
+    executor: Executor | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[Structure]:
     """Train every structure of a grid; the best by the validation data comes first.
@@ -73,6 +76,7 @@ def search_structures(
         orders: of the rules, 0 or 1.
         epochs: of each.
         method: `hybrid` or `variable_projection`.
+        executor: that trains, such as a ProcessPoolExecutor; None: this process.
         progress: called with the fraction done.
 
     Raises:
@@ -83,17 +87,31 @@ def search_structures(
     if not grid:
         raise ValueError("there must be at least one of memberships, kinds and orders")
     inputs = np.shape(np.asarray(data[0]))[-1]
-    found = []
-    for done, (count, kind, order) in enumerate(grid, start=1):
-        anfis, began = Anfis((count,) * inputs, kind, order), process_time()
-        anfis.fit(*data, epochs=epochs, method=method, validation=validation)
-        seconds = process_time() - began
-        told = _errors(anfis, *held_out) if held_out is not None else (np.nan, np.nan)
-        chosen = _errors(anfis, *validation)[0]
-        found.append(Structure(anfis, chosen, *told, seconds))
+    blanks = [Anfis((count,) * inputs, kind, order) for count, kind, order in grid]
+    jobs = [(anfis, data, validation, held_out, epochs, method) for anfis in blanks]
+    found: dict[int, Structure] = {}
+    for number, structure in completed(executor, _trained, jobs):
+        found[number] = structure
         if progress:
-            progress(done / len(grid))
-    return sorted(found, key=lambda structure: structure.validation)
+            progress(len(found) / len(grid))
+    in_order = [found[number] for number in range(len(grid))]
+    return sorted(in_order, key=lambda structure: structure.validation)
+
+
+def _trained(
+    anfis: Anfis,
+    data: tuple[ArrayLike, ArrayLike],
+    validation: tuple[ArrayLike, ArrayLike],
+    held_out: tuple[ArrayLike, ArrayLike] | None,
+    epochs: int,
+    method: str,
+) -> Structure:
+    """A structure of the grid, trained."""
+    began = process_time()
+    anfis.fit(*data, epochs=epochs, method=method, validation=validation)
+    seconds = process_time() - began
+    told = _errors(anfis, *held_out) if held_out is not None else (np.nan, np.nan)
+    return Structure(anfis, _errors(anfis, *validation)[0], *told, seconds)
 
 
 def split_rows(

@@ -1,8 +1,12 @@
 """Trains functions of the workspace of a planar arm, such as the bounds of its redundant joint."""
 
+import functools
 from collections.abc import Callable
+from concurrent.futures import Executor
+from typing import Any
 
 from fikm_drake.arrays import Array
+from fikm_drake.executors import completed
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.solvers.redundancy.bounds_inputs import BoundsInputs
@@ -27,40 +31,50 @@ def train_bounds(
     method: str = "variable_projection",
     epochs: int = 150,
     starts: int = STARTS,
+    executor: Executor | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> LearnedBounds:
     """Train two ANFIS on the exact bounds of joint 1 of a planar 3R arm over its workspace.
 
     Where a point has several intervals, the widest is learned. The same arm and options give the same
     bounds. For the options see `train_on_workspace`; for arms without a closed form `train_traced_bounds`.
+    An `executor`, such as a ProcessPoolExecutor, trains both at once.
 
     Raises:
         ValueError: naming the bad value.
     """
-    learned = []
-    for k, name in enumerate(("lower", "upper")):
+    train = functools.partial(
+        _train_bound,
+        arm,
+        inputs=inputs,
+        memberships=memberships,
+        points=points,
+        method=method,
+        epochs=epochs,
+        starts=starts,
+    )
+    if executor is None:  # progress of each epoch
+        learned = [train(k, progress=_share(progress, k)) for k in range(2)]
+        return LearnedBounds(arm, inputs, *learned)
+    found: dict[int, Anfis] = {}
+    for k, anfis in completed(executor, train, [(0,), (1,)]):
+        found[k] = anfis
+        if progress:
+            progress(0.5 * len(found))
+    return LearnedBounds(arm, inputs, found[0], found[1])
 
-        def bound(p: Array, k: int = k) -> Array:
-            return feasible_interval_table(arm, p).widest()[k]
 
-        def show(fraction: float, k: int = k) -> None:
-            if progress:
-                progress(0.5 * (k + fraction))
+def _train_bound(arm: DhArm, side: int, **options: Any) -> Anfis:  # noqa: ANN401 (train_on_workspace's)
+    """The lower (0) or the upper (1) bound, learned."""
 
-        anfis = train_on_workspace(
-            arm,
-            bound,
-            f"theta_1_{name}",
-            inputs=inputs,
-            memberships=memberships,
-            points=points,
-            method=method,
-            epochs=epochs,
-            starts=starts,
-            progress=show,
-        )
-        learned.append(anfis)
-    return LearnedBounds(arm, inputs, *learned)
+    def bound(points: Array) -> Array:
+        return feasible_interval_table(arm, points).widest()[side]
+
+    return train_on_workspace(arm, bound, f"theta_1_{('lower', 'upper')[side]}", **options)
+
+
+def _share(progress: Callable[[float], None] | None, side: int) -> Callable[[float], None] | None:
+    return progress and (lambda fraction: progress(0.5 * (side + fraction)))
 
 
 def train_on_workspace(

@@ -75,6 +75,10 @@ class SelfMotionCurve:
         self.native = task.native_curve(target, start, OPTIONS)
         """The same by the native kernel, where there is one."""
 
+    def __reduce__(self) -> tuple:
+        """Pickled as its arguments: the kernel's addresses mean nothing elsewhere."""
+        return SelfMotionCurve, (self.task, self.target, self.start)
+
     def linearise(self, q: Array) -> tuple[Array, Array]:
         """Error (k−1,) [m] and Jacobian (k−1,k) at the moving joints' positions (k,)."""
         self._q[self.task.moving] = q

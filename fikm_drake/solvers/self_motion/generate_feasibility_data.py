@@ -1,26 +1,24 @@
 """Feasible intervals at many points, on one machine or many."""
 
 import time
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, as_completed
+from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
+from fikm_drake.executors import completed
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.solvers.self_motion.feasibility_data import (
     FeasibilityData,
-    FeasibilityRows,
     empty_data,
     feasibility_rows,
 )
 from fikm_drake.solvers.self_motion.spare_task import SpareTask
 
-Rows = NDArray[np.intp]
 BETWEEN_SAVES = 10.0
 """Seconds."""
 CHUNKS = {True: 20_000, False: 50}
@@ -67,7 +65,9 @@ def generate_feasibility_data(
     chunks = [missing[start : start + size] for start in range(0, missing.size, size)]
     saved = time.monotonic()
     try:
-        for rows, found in _computed(arm, data.points, chunks, task, joint, executor):
+        work = [(arm, data.points[rows], task, joint) for rows in chunks]
+        for number, found in completed(executor, feasibility_rows, work):
+            rows = chunks[number]
             data.count[rows], data.closest[rows] = found.count, found.closest
             data.lower[rows], data.upper[rows] = found.lower, found.upper
             if progress:
@@ -79,30 +79,6 @@ def generate_feasibility_data(
         if file:
             data.save(file)
     return data
-
-
-def _computed(
-    arm: DhArm,
-    points: Array,
-    chunks: list[Rows],
-    task: str | None,
-    joint: int,
-    executor: Executor | None,
-) -> Iterator[tuple[Rows, FeasibilityRows]]:
-    """Each chunk with its data, in the order in which they are done."""
-    if executor is None:
-        for rows in chunks:
-            yield rows, feasibility_rows(arm, points[rows], task, joint)
-        return
-    futures: dict[Future[FeasibilityRows], Rows] = {
-        executor.submit(feasibility_rows, arm, points[rows], task, joint): rows for rows in chunks
-    }
-    try:
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    finally:
-        for future in futures:
-            future.cancel()
 
 
 def _checked_source(arm: DhArm, task: str | None, joint: int) -> str:

@@ -31,8 +31,7 @@ class SelfMotionStatus(IntEnum):
 class SelfMotionComponent:
     """A connected piece of a self-motion within the limits: the arm can move along all of it.
 
-    Positions are of all n joints of the arm or plant; those that do not move the tool stay. It keeps
-    the plant for `at` and `closest_to`, so it cannot be pickled; its arrays can.
+    Positions are of all n joints of the arm or plant; those that do not move the tool stay.
     """
 
     q: Array

@@ -1,6 +1,7 @@
 """The equations of a task that leaves one degree of freedom to spare."""
 
 import warnings
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,18 +52,9 @@ class SpareTask:
         task: str | Task,
         frame: str = "tool",
     ) -> None:
-        if isinstance(arm_or_plant, DhArm):
-            plant: MultibodyPlant = MakeDhArmPlant(arm_or_plant)
-        elif isinstance(arm_or_plant, SerialChain):
-            plant, frame = MakeChainPlant(arm_or_plant), "tool"
-        else:
-            plant = arm_or_plant
-        check_plant(plant)
         self.task = task if isinstance(task, Task) else Task(task)
-        self._plant = plant
-        self._frame = frame_by_name(plant, frame)
-        self._world = plant.world_frame()
-        self._context = plant.CreateDefaultContext()
+        self._connect(arm_or_plant, frame)
+        plant = self._plant
         self.default_position: Array = np.array(plant.GetPositions(self._context))
         """(n,) the plant's default positions [rad or m]."""
         lower = np.array(plant.GetPositionLowerLimits())
@@ -79,7 +71,41 @@ class SpareTask:
         """(k,) middle of the limits [rad or m]."""
         self.search_range = _search_range(self.lower, self.upper)
         """(k,) and (k,): the limits, no further than half a turn from their middle [rad or m]."""
-        self._chain = _chain(plant, frame, self.moving) if kernel() else None
+        self._chain = _chain(plant, self._frame_name, self.moving) if kernel() else None
+
+    def _connect(self, source: DhArm | SerialChain | MultibodyPlant, frame: str) -> None:
+        """Take a plant of the arm, and a context of it to compute in."""
+        if isinstance(source, DhArm):
+            plant: MultibodyPlant = MakeDhArmPlant(source)
+        elif isinstance(source, SerialChain):
+            plant, frame = MakeChainPlant(source), "tool"
+        else:
+            plant = source
+        check_plant(plant)
+        self._source, self._frame_name, self._plant = source, frame, plant
+        self._frame = frame_by_name(plant, frame)
+        self._world = plant.world_frame()
+        self._context = plant.CreateDefaultContext()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the arm in place of Drake's plant, which cannot be."""
+        state = {k: v for k, v in vars(self).items() if k not in ("_plant", "_frame", "_world")}
+        del state["_context"]
+        if isinstance(self._source, MultibodyPlant):
+            chain = SerialChain.from_plant(self._source, self._frame_name)
+            indices = chain.position_indices
+            if indices is None or not np.array_equal(indices, np.arange(self.num_joints)):
+                raise TypeError(
+                    "an arm of a plant with other joints cannot be pickled: take the arm's "
+                    "SerialChain.from_plant in place of the plant"
+                )
+            state["_source"] = chain
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """The same from its pickle."""
+        vars(self).update(state)
+        self._connect(state["_source"], state["_frame_name"])
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
