@@ -19,7 +19,11 @@ from fikm_drake.experiments.reproduce.anfis.samples import (
     rms_and_max,
     training_points,
 )
-from fikm_drake.fuzzy.anfis.anfis import Anfis
+from fikm_drake.fuzzy.anfis.anfis import RIDGE, Anfis
+from fikm_drake.fuzzy.anfis.inputs import InputScale
+from fikm_drake.fuzzy.anfis.membership_kinds import KINDS
+from fikm_drake.fuzzy.anfis.network import even_network
+from fikm_drake.fuzzy.anfis.one_blas_thread import one_blas_thread
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.redundancy.learned_bounds import LearnedBounds
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
@@ -73,6 +77,23 @@ def training_costs(
     ]
 
 
+def normal_equations_cost(rounds: int) -> float:
+    """CPU time of the normal equations by the book, median [ms].
+
+    The regressors of the even partition, one product of matrices, the solution; one thread of the BLAS.
+    """
+    X, Y = training_points(), exact(training_points())["upper"]
+    x = InputScale(X.min(axis=0), X.max(axis=0)).scaled(X)
+    network, seconds = even_network(KINDS["gaussian"], (8, 8), 1), []
+    with one_blas_thread():
+        for _ in range(REPEATS * rounds):
+            start = time.process_time()
+            A = network.regressors(x)
+            np.linalg.solve(A @ A.T + RIDGE * len(Y) * np.eye(len(A)), A @ Y)
+            seconds.append(time.process_time() - start)
+    return 1e3 * median(seconds)
+
+
 def bounds_costs(rounds: int) -> dict[str, float]:
     """CPU time a point [µs] of a batch of fresh points, medians, in turns."""
     arm, points = load_arm(ARM), fresh_points()
@@ -103,9 +124,14 @@ def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
         lines.append(f"  {costs[1].milliseconds / costs[0].milliseconds:.1f} times faster")
     else:
         lines.append(f"  ({PEER} is not installed)")
+    limit = normal_equations_cost(rounds)
+    lines.append(
+        f"  normal equations, made and solved once: {limit:.1f} ms; an epoch takes "
+        f"{costs[0].milliseconds / limit:.2f} of that"
+    )
     bounds = bounds_costs(rounds)
     lines.append(f"batch of {len(fresh_points())} points, CPU time a point")
     lines += [f"  {name:18s} {cost:6.2f} µs" for name, cost in bounds.items()]
     ratio = bounds["exact bounds"] / bounds["learned bounds"]
     lines.append(f"  learned bounds {ratio:.1f} times faster than exact ones")
-    return BenchmarkTable(lines, [*costs, bounds])
+    return BenchmarkTable(lines, [*costs, {"normal equations [ms]": limit}, bounds])

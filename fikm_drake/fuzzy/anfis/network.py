@@ -69,7 +69,15 @@ class Network:
         weights = shares[0]
         for share in shares[1:]:
             weights = (weights[:, None, :] * share).reshape(-1, x.shape[1])
-        return (weights[:, None, :] * self._terms(x)).reshape(-1, x.shape[1])
+        return (weights[:, None, :] * self.terms(x)).reshape(-1, x.shape[1])
+
+    def weigh(self, x: Array, values: Array) -> Array:
+        """The regressors times values (N,), summed over the N (num_coefficients,)."""
+        shares = self.shares(x)
+        weighted = self.terms(x) * values
+        for share in reversed(shares[1:]):
+            weighted = (share[:, None, :] * weighted).reshape(-1, x.shape[1])
+        return np.asarray(shares[0] @ weighted.T, dtype=float).ravel()
 
     def output(self, x: Array, coefficients: Array) -> Array:
         """Output (N,): one input is summed out after the other."""
@@ -78,7 +86,7 @@ class Network:
         left = coefficients.reshape(self.shape[0], -1).T @ shares[0]
         for share in shares[1:]:
             left = np.einsum("mrn,mn->rn", left.reshape(len(share), -1, count), share)
-        return np.einsum("tn,tn->n", left, self._terms(x))
+        return np.einsum("tn,tn->n", left, self.terms(x))
 
     def rules_at(self, x: Array, coefficients: Array) -> tuple[Array, Array]:
         """Weight and output of every rule (m_1,…,m_d) at one point (d,): their products add up."""
@@ -86,13 +94,13 @@ class Network:
         weights = np.ones(1)
         for share in self.shares(x):
             weights = weights[..., None] * share[:, 0]
-        outputs = coefficients.reshape(-1, self.num_terms) @ self._terms(x)[:, 0]
+        outputs = coefficients.reshape(-1, self.num_terms) @ self.terms(x)[:, 0]
         return weights.reshape(self.shape), outputs.reshape(self.shape)
 
     def output_and_slopes(self, x: Array, coefficients: Array) -> tuple[Array, Array]:
         """Output (N,) and its derivatives (P,N) by the premise parameters, coefficients held."""
         shares = self.shares(x)
-        rules = np.einsum("rt,tn->rn", coefficients.reshape(-1, self.num_terms), self._terms(x))
+        rules = np.einsum("rt,tn->rn", coefficients.reshape(-1, self.num_terms), self.terms(x))
         rules = rules.reshape(*self.shape, -1)
         slopes = []
         for k, (row, premise) in enumerate(zip(x, self.premises)):
@@ -106,7 +114,7 @@ class Network:
             slopes.append(self.kind.log_slopes(row, premise) * by_log_grade)
         return output, np.concatenate([slope.reshape(-1, x.shape[1]) for slope in slopes])
 
-    def _terms(self, x: Array) -> Array:
+    def terms(self, x: Array) -> Array:
         """What a rule's coefficients multiply (num_terms,N): 1, then the inputs."""
         ones = np.ones((1, x.shape[1]))
         return np.concatenate([ones, x]) if self.order else ones

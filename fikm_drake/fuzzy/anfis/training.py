@@ -45,7 +45,7 @@ def hybrid(data: LeastSquares, network: Network) -> Iterator[Epoch]:
     """
     step, errors = FIRST_STEP, np.empty(0)
     while True:
-        coefficients, objective = data.project(network)
+        coefficients, objective, _ = data.project(network)
         yield Epoch(network, coefficients)
         errors = np.append(errors, objective)[-5:]
         signs = np.sign(np.diff(errors)).tolist()
@@ -67,7 +67,7 @@ def variable_projection(data: LeastSquares, network: Network) -> Iterator[Epoch]
     """
     damping, growth = FIRST_DAMPING * data.y.size, 2.0
     best = data.project(network)
-    A, b = data.linearise(network, best.coefficients)
+    A, b = data.linearise(network, best)
     while True:
         step = _damped_step(A, b, damping)
         tried = network.with_parameters(network.parameters + step)
@@ -81,7 +81,7 @@ def variable_projection(data: LeastSquares, network: Network) -> Iterator[Epoch]
             damping *= max(1.0 / 3.0, 1.0 - (2.0 * quality - 1.0) ** 3)
             growth = 2.0
             network, best = tried, found
-            A, b = data.linearise(network, best.coefficients)
+            A, b = data.linearise(network, best)
         else:
             damping = min(damping * growth, MOST_DAMPING * data.y.size)
             growth = min(2.0 * growth, MOST_DAMPING)

@@ -87,14 +87,25 @@ def test_neighbours_cross_at_one_half_at_the_start(kind):
     np.testing.assert_allclose(np.exp(between)[[2, 3], 1], 0.5)
 
 
-@pytest.mark.parametrize("count", [150, 50_000])
-def test_project_is_ridge_regression(count):
-    """Against numpy's own least squares, in one block of rows and in many."""
+@pytest.mark.parametrize(
+    "count, shape, order, ridge",
+    [
+        (150, (3, 3), 1, 1e-8),
+        (50_000, (3, 3), 1, 1e-8),
+        (900, (8, 8), 1, 1e-12),
+        (900, (4, 2, 3), 1, 1e-10),
+        (300, (5,), 0, 1e-8),
+        (900, (8, 8), 1, 1e-17),
+    ],
+)
+def test_project_is_ridge_regression(count, shape, order, ridge):
+    """Against numpy's own least squares, in one block of rows and in many; squared, and where that fails."""
     rng = np.random.default_rng(2)
-    network = random_network("gaussian", 1, (3, 3), rng)
-    x, ridge = rng.uniform(-1, 1, (2, count)), 1e-8
-    y = np.sin(3 * x[0]) * x[1]
+    network = random_network("gaussian", order, shape, rng)
+    x = rng.uniform(-1, 1, (len(shape), count))
+    y = np.sin(3 * x[0]) * x[-1]
     found = LeastSquares(x, y, ridge).project(network)
+    assert (found.inverse is None) == (ridge < 1e-15)
     A = np.concatenate(
         [network.regressors(x).T, np.sqrt(ridge * count) * np.eye(network.num_coefficients)]
     )
@@ -104,14 +115,15 @@ def test_project_is_ridge_regression(count):
     assert found.objective == pytest.approx(float(squares[0]), rel=1e-9)
 
 
-def test_linearise_predicts_the_objective_and_its_gradient():
+@pytest.mark.parametrize("ridge", [1e-10, 1e-16])
+def test_linearise_predicts_the_objective_and_its_gradient(ridge):
     """To first order, the projected objective falls as |b|² − |b − A δ|² says."""
     rng = np.random.default_rng(3)
     network = random_network("gaussian", 1, (3, 3), rng)
     x = rng.uniform(-1, 1, (2, 400))
-    data = LeastSquares(x, np.exp(-3 * x[0] ** 2) + x[1] ** 3, 1e-10)
+    data = LeastSquares(x, np.exp(-3 * x[0] ** 2) + x[1] ** 3, ridge)
     best = data.project(network)
-    A, b = data.linearise(network, best.coefficients)
+    A, b = data.linearise(network, best)
     gradient = data.gradient(network, best.coefficients)
     np.testing.assert_allclose(-A.T @ b, gradient, rtol=1e-5, atol=1e-9)
     h = 1e-5
