@@ -19,6 +19,7 @@ In tick k the joints are at q, their command is θ, and
 call its parts one by one.
 """
 
+from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -223,13 +224,15 @@ class ControlCycle:
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
             if self.clearance:
-                low, high = box.bounds(state.velocity)
+                sure = box.surely_holds(step)
+                low, high = (None, None) if sure else box.bounds(state.velocity)
                 step, cleared = self.clearance(
                     q,
                     step,
                     J=J,
                     low=low,
                     high=high,
+                    bounds=partial(box.bounds, state.velocity) if sure else None,
                     others=others,
                     others_before=state.others,
                 )

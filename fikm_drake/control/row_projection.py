@@ -3,6 +3,9 @@
 Kaczmarz's method for equations walks from row to row and moves onto each; for inequalities (Hildreth's
 method) a row is moved onto only while it is violated, and let go once it pulls. Here the rows that push
 at the same time are solved together, which ends after as many steps as there are such rows.
+
+What is near is a matter of the metric. In that of `task_metric` a motion that the task feels is dear and one
+that it leaves free is cheap: a redundant arm gives way with its elbow and not with its tool.
 """
 
 import numpy as np
@@ -15,9 +18,17 @@ SOFT = 1e-7
 """Rows whose squares differ by less than this fraction count as one, so that duplicates do no harm [-]."""
 TINY = 1e-12
 """Rows shorter than this fraction of the longest one say nothing [-]."""
+FREE = 0.05
+"""What a motion that the task leaves free costs, over the mean square of the rows of the Jacobian [-]."""
 
 
-def project(step: Array, rows: Array, bounds: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
+def project(
+    step: Array,
+    rows: Array,
+    bounds: Array,
+    tolerance: float = 0.0,
+    metric: Array | None = None,
+) -> tuple[Array, Array]:
     """The vector nearest to `step` that keeps rows · x ≥ bounds, and how each row pushes.
 
     The work is bounded: rows that contradict one another leave a compromise, so look at what is kept.
@@ -27,17 +38,18 @@ def project(step: Array, rows: Array, bounds: Array, tolerance: float = 0.0) -> 
         rows: (k,n), finite.
         bounds: (k,); −inf for a row that does not count.
         tolerance: a row that is violated by less is kept, in the unit of the bounds.
+        metric: M (n,n), symmetric and positive: near is what has a small (x − step)ᵀ M⁻¹ (x − step); None: I.
 
     Returns:
         x (n,), equal to `step` where that keeps all rows; multipliers μ ≥ 0 (k,), zero for rows that
-        do not push: x = step + rowsᵀ μ.
+        do not push: x = step + M rowsᵀ μ.
     """
     multipliers = np.zeros(len(bounds))
     asked = rows.dot(step) - bounds
     if not len(bounds) or asked.min() >= -tolerance:
         return step, multipliers
-    squares = np.einsum("ij,ij->i", rows, rows)
-    sizes = np.sqrt(squares)
+    ways = rows if metric is None else rows.dot(metric)
+    sizes = np.sqrt(np.einsum("ij,ij->i", rows, ways))
     sizes[sizes <= TINY * sizes.max()] = np.inf
     tolerance = max(tolerance, 1e-12 * float(np.abs(asked).max()))
     x, active, pushes = step, [], np.zeros(0)
@@ -48,34 +60,33 @@ def project(step: Array, rows: Array, bounds: Array, tolerance: float = 0.0) -> 
         if depth[worst] >= 0.0 or worst in active:
             break
         active.append(worst)
-        active, pushes = _solve(active, rows, asked)
-        x = step + pushes.dot(rows[active])
+        active, pushes = _solve(active, rows, ways, asked)
+        x = step + pushes.dot(ways[active])
         slack = rows.dot(x) - bounds
     multipliers[active] = pushes
     return x, multipliers
 
 
-def _solve(active: list[int], rows: Array, asked: Array) -> tuple[list[int], Array]:
+def _solve(active: list[int], rows: Array, ways: Array, asked: Array) -> tuple[list[int], Array]:
     """The active rows that push, and their multipliers, so that their slack is zero."""
     while True:
-        if len(active) == 1:
-            row = rows[active[0]]
-            return active, np.array([-asked[active[0]] / row.dot(row)])
-        few = rows[active]
-        gram = few.dot(few.T)
-        gram.flat[:: len(active) + 1] *= 1.0 + SOFT
-        pushes = np.linalg.solve(gram, -asked[active])
+        gram = rows[active].dot(ways[active].T)
+        soft = gram.copy()
+        soft.flat[:: len(active) + 1] *= 1.0 + SOFT
+        pushes = np.linalg.solve(soft, -asked[active])
+        pushes += np.linalg.solve(soft, -asked[active] - gram.dot(pushes))  # what softness took
         least = int(pushes.argmin())
         if pushes[least] >= 0.0:
             return active, pushes
         active = active[:least] + active[least + 1 :]
 
 
-def free_part(vectors: Array, rows: Array) -> Array:
-    """The part of vectors (…,n) that rows (k,n) do not feel, to within `SOFT`."""
-    gram = rows.dot(rows.T)
-    gram.flat[:: len(rows) + 1] *= 1.0 + SOFT
-    return vectors - vectors.dot(np.linalg.solve(gram, rows).T).dot(rows)
+def task_metric(J: Array) -> Array:
+    """M (n,n) of `project`: M⁻¹ = I + Jᵀ J / λ, λ being `FREE` of the mean square of J's rows (m,n)."""
+    square = J.dot(J.T)
+    m = len(square)
+    square.flat[:: m + 1] += FREE * max(float(np.trace(square)), 1e-300) / m
+    return np.eye(J.shape[1]) - J.T.dot(np.linalg.solve(square, J))
 
 
 def shortened_toward(step: Array, low: Array | None, high: Array | None) -> Array:

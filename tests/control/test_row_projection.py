@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fikm_drake.control.row_projection import free_part, project
+from fikm_drake.control.row_projection import project, task_metric
 
 
 def random_case(seed):
@@ -18,15 +18,18 @@ def random_case(seed):
 
 
 @settings(max_examples=150, deadline=None)
-@given(st.integers(0, 10**6))
-def test_projection_is_the_nearest_vector_that_keeps_the_rows(seed):
+@given(st.integers(0, 10**6), st.booleans())
+def test_projection_is_the_nearest_vector_that_keeps_the_rows(seed, of_a_task):
     step, rows, bounds = random_case(seed)
-    x, pushes = project(step, rows, bounds)
+    metric = np.eye(len(step))
+    if of_a_task:
+        metric = task_metric(np.random.default_rng(seed).normal(size=(2, len(step))))
+    x, pushes = project(step, rows, bounds, 0.0, metric if of_a_task else None)
     # The conditions of Karush, Kuhn and Tucker, which only the nearest vector fulfils.
     slack = rows @ x - bounds
     assert slack.min() >= -1e-5
     assert pushes.min() >= 0.0
-    np.testing.assert_allclose(x, step + rows.T @ pushes, atol=1e-9)
+    np.testing.assert_allclose(x, step + metric @ rows.T @ pushes, atol=1e-9)
     np.testing.assert_allclose(pushes * slack, 0.0, atol=1e-4)
 
 
@@ -55,9 +58,16 @@ def test_no_rows():
     assert (x == 1.0).all() and pushes.shape == (0,)
 
 
-def test_free_part_is_not_felt_by_the_rows():
+def test_in_the_metric_of_a_task_what_the_task_feels_is_dear():
+    """Of the ways to keep a row, the one that moves the tool least."""
     rng = np.random.default_rng(1)
-    rows, vectors = rng.normal(size=(3, 7)), rng.normal(size=(5, 7))
-    free = free_part(vectors, rows)
-    assert np.abs(free @ rows.T).max() < 1e-6
-    np.testing.assert_allclose(free_part(free, rows), free, atol=1e-6)
+    J, row = rng.normal(size=(3, 7)), rng.normal(size=(1, 7))
+    step = rng.normal(size=7)
+    bounds = row @ step + 1.0
+    plain, _ = project(step, row, bounds)
+    near, _ = project(step, row, bounds, metric=task_metric(J))
+    np.testing.assert_allclose([row[0] @ plain, row[0] @ near], bounds[0], rtol=1e-5)
+    assert np.linalg.norm(J @ (near - step)) < 0.3 * np.linalg.norm(J @ (plain - step))
+    inverse = np.linalg.inv(task_metric(J))
+    lam = 0.05 * np.trace(J @ J.T) / 3
+    np.testing.assert_allclose(inverse, np.eye(7) + J.T @ J / lam, atol=1e-9)
