@@ -7,6 +7,7 @@ from fikm_drake.experiments.benchmarks import self_motion_benchmark
 from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, three_ways
 from fikm_drake.experiments.reproduce.anfis.region import A, B, C, stretches
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.simulation.scenario import load_scenario
 from fikm_drake.solvers.self_motion.feasible_intervals import feasible_interval_table
 
 
@@ -73,3 +74,10 @@ def test_a_and_c_are_feasible_and_b_is_where_table_3_3_leaves_the_workspace():
 def test_stretches():
     mask = np.array([True, True, False, True, False, True])
     assert stretches(np.arange(6.0), mask) == "0.00-1.00, 3.00-3.00, 5.00-5.00"
+
+
+@pytest.mark.parametrize("trajectory", [A, B, C], ids=lambda trajectory: trajectory.name)
+def test_the_scenarios_are_the_thesis_s_trajectories(trajectory):
+    scenario = load_scenario(f"anfis_{trajectory.name.lower()}")
+    percent = np.minimum(10.0 * np.arange(scenario.num_cycles) / scenario.control_rate, 100.0)
+    np.testing.assert_allclose(scenario.targets(), trajectory.at(percent), atol=1e-9)

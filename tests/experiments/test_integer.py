@@ -65,14 +65,15 @@ def test_five_shared_singletons_are_not_enough():
 
 
 @pytest.mark.parametrize(
-    ("path", "length", "step"),
+    ("name", "length", "step"),
     [
-        (traces.rectangle(), 1400, 5),
-        (traces.circle(), 2 * np.pi * 150, 150 * np.pi / 180),
-        (traces.inclined_line(), 500, 5),
+        ("integer_rectangle", 1400, 5),
+        ("integer_circle", 2 * np.pi * 150, 150 * np.pi / 180),
+        ("integer_line", 500, 5),
     ],
 )
-def test_paths_of_figures_7_to_12(path, length, step):
+def test_paths_of_figures_7_to_12(name, length, step):
+    path = traces.path(fd.load_scenario(name))
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     assert steps.sum() == pytest.approx(length, rel=1e-4)
     np.testing.assert_allclose(steps, step, rtol=1e-4)

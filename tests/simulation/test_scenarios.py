@@ -77,6 +77,7 @@ def test_every_controller_reaches_its_target(name, tmp_path):
         points = plane.to_world([[100, 100], [150, 120]]).tolist()
         scenario = scenario.but(target__positions=points)
     log = fd.simulate(scenario)
+    np.testing.assert_array_equal(log.q[0], scenario.start())
     assert np.linalg.norm(log.cycles.error[-1][-3:]) < WITHIN.get(name, 1e-3)
     assert {"time", *log.names} >= {"desired", "actual", "q", "command", "velocity"}
     if "status" in log:

@@ -72,7 +72,8 @@ class BuiltScenario:
     def positions(self, root: Context) -> Array:
         """Joint positions (n,) of the robot [rad or m]."""
         if self.is_kinematic:
-            return self.wired.command.Eval(self.wired.system.GetMyContextFromRoot(root))
+            command = self.wired.command
+            return command.Eval(command.get_system().GetMyContextFromRoot(root))
         return self.chain.from_full(self.all_positions(root))
 
     def all_positions(self, root: Context) -> Array:

@@ -53,9 +53,8 @@ class LabVolt:
             tolerance=self.tolerance,
             solver=self.solver,
         )
-        return position_block(
-            site, system, "desired_position", "commanded_position", ("angles",), LabVoltStatus
-        )
+        ports = ("desired_position", "commanded_position", ("angles",))
+        return position_block(site, system, *ports, LabVoltStatus, held=True)
 
 
 @dataclass

@@ -7,6 +7,7 @@ from enum import IntEnum
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, DiagramBuilder, InputPort, OutputPort, System
+from pydrake.systems.primitives import ZeroOrderHold
 
 from fikm_drake.arrays import Array
 from fikm_drake.control.clearance_config import ClearanceConfig
@@ -53,9 +54,13 @@ class Wired:
     """Size of the target that it takes."""
     measured: InputPort | None = None
     """For the measured joints; None: it takes none, or has them already."""
+    hold: ZeroOrderHold | None = None
+    """What keeps the command from cycle to cycle, where the controller's own state does not."""
 
     def set_start(self, root: Context, position: Array) -> None:
         """Set the command (n,) at the start."""
+        if self.hold is not None:
+            self.hold.GetMyMutableContextFromRoot(root).SetDiscreteState(position)
         if hasattr(self.system, "SetPositions"):  # else it was told when it was made
             self.system.SetPositions(self.system.GetMyMutableContextFromRoot(root), position)
 
@@ -67,17 +72,36 @@ def position_block(
     command: str,
     more: tuple[str, ...],
     statuses: type[IntEnum],
+    *,
+    held: bool = False,
 ) -> Wired:
-    """A block that gives positions and a status, and no velocity."""
+    """A block that gives positions and a status, and no velocity.
+
+    Args:
+        site: where it is put.
+        system: the block.
+        desired: name of its port for the target.
+        command: name of its port of joint positions.
+        more: names of other ports for the log.
+        statuses: what its port `status` means.
+        held: whether its command is to be sampled and held, as it follows from the target at once: the robot
+            then is where it was until the end of a cycle, as with all other controllers.
+    """
     site.builder.AddNamedSystem("controller", system)
+    port, hold = system.GetOutputPort(command), None
+    if held:
+        hold = site.builder.AddNamedSystem("hold", ZeroOrderHold(1.0 / site.rate, port.size()))
+        site.builder.Connect(port, hold.get_input_port())
+        port = hold.get_output_port()
     return Wired(
         system,
         system.GetInputPort(desired),
-        system.GetOutputPort(command),
+        port,
         None,
         {name: system.GetOutputPort(name) for name in (*more, "status")},
         statuses,
         site.size,
+        hold=hold,
     )
 
 

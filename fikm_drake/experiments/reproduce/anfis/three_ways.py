@@ -5,11 +5,6 @@ import time
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.experiments.benchmarks.self_motion_benchmark import (
-    closed_form_against_scan,
-    planar_against_closed_form,
-    seven_joints,
-)
 from fikm_drake.experiments.reproduce.anfis.region import ARM, A
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
@@ -102,6 +97,12 @@ POSES = 4
 
 def exactness() -> Section:
     """Closed form against a scan, tracer against the closed form, residuals of 7-joint arms."""
+    from fikm_drake.experiments.benchmarks.self_motion_benchmark import (  # it imports this package
+        closed_form_against_scan,
+        planar_against_closed_form,
+        seven_joints,
+    )
+
     scanned = closed_form_against_scan(EXACT_POINTS)
     traced = planar_against_closed_form(TRACED)
     cells = [

@@ -4,11 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from fikm_drake.experiments.reproduce.anfis.learning import hybrid_anfis
-from fikm_drake.experiments.reproduce.anfis.region import ARM, A, C
+from fikm_drake.experiments.reproduce.anfis.region import ARM, A
 from fikm_drake.experiments.reproduce.anfis.samples import exact, fresh_points, rms_and_max
-from fikm_drake.experiments.reproduce.anfis.track import Track, track
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.kinematics.load_arm import load_arm
+from fikm_drake.simulation.run_log import RunLog
+from fikm_drake.simulation.scenario import load_scenario
+from fikm_drake.simulation.simulate import simulate
 from fikm_drake.solvers.redundancy.redundancy_resolver import RedundancyResolver
 from fikm_drake.solvers.redundancy.resolution import ResolutionStatus
 
@@ -51,10 +53,11 @@ def figure_4_12() -> Section:
 def figure_4_16() -> Section:
     """Figures 4.15-4.18: trajectory C in a Diagram, in the middle of the learned bounds."""
     arm = load_arm(ARM)
-    run = track(RedundancyResolver(arm), C)
-    error = float(np.hypot(*(run.actual - run.desired).T).max())
+    log = simulate(load_scenario("anfis_c"))
+    run = log.cycles
+    error = log.metrics().e_max
     inside = bool(((run.q >= arm.lower) & (run.q <= arm.upper)).all())
-    learned = 100.0 * float(np.mean(run.status == ResolutionStatus.SOLVED))
+    learned = 100.0 * float(np.mean(log.status[1:] == ResolutionStatus.SOLVED))
     steps = np.abs(np.diff(run.q, axis=0)).max(axis=0)
     cells = [
         Cell("limits of all joints respected", "yes", "yes" if inside else "no", inside),
@@ -63,14 +66,14 @@ def figure_4_16() -> Section:
         Cell("largest joint step of a cycle [rad]", None, float(steps.max())),
     ]
     notes = [
-        "TrajectorySource, RedundancyIk and the plant's scene in one Diagram, 10 s at 50 Hz, logged."
+        "`fikm-drake run anfis_c`: RedundancyIk and the plant's scene in one Diagram, 10 s at 50 Hz."
     ]
     return Section(
         "figure 4.16",
         "trajectory C through RedundancyIk, figures 4.15-4.18",
         cells,
         notes,
-        {"figures_4_15_18": _joints(run)},
+        {"figures_4_15_18": _joints(log)},
     )
 
 
@@ -109,7 +112,8 @@ def _median(values: np.ndarray) -> float | None:
     return float(np.median(values)) if values.size else None
 
 
-def _joints(run: Track) -> Figure:
+def _joints(log: RunLog) -> Figure:
+    run = log.cycles
     figure = Figure(figsize=(11, 6), layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.3))
     path = figure.add_subplot(grid[:, 0])
@@ -124,7 +128,7 @@ def _joints(run: Track) -> Figure:
     for j in range(3):
         axes = figure.add_subplot(grid[j, 1])
         if j == 0:
-            axes.fill_between(percent, *run.bounds.T, color="0.9", label="learned region")
+            axes.fill_between(percent, *log["bounds"][1:].T, color="0.9", label="learned region")
         axes.plot(percent, run.q[:, j], color="tab:blue", label="commanded")
         for limit in (limits.lower[j], limits.upper[j]):
             axes.axhline(limit, color="black", ls="--", lw=0.8)

@@ -1,21 +1,24 @@
 """Paper 5, section 4.1: figures 7-12, paths of the tool on the workplane."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.integer.errors import workplane_errors
-from fikm_drake.experiments.reproduce.integer.servo_arm import PERIOD, Trace, trace
 from fikm_drake.experiments.reproduce.integer.table_1 import TABLE_1
 from fikm_drake.experiments.reproduce.report import Cell, Section
-from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk, tojo_inverse
+from fikm_drake.simulation.scenario import Integer, Scenario, load_scenario
+from fikm_drake.simulation.simulate import simulate
+from fikm_drake.solvers.workplane.integer_fuzzy_ik import tojo_inverse
 from fikm_drake.solvers.workplane.workplane_inverse import WorkplaneInverse
 from fikm_drake.systems.integer_fuzzy_ik_system import IntegerFuzzyIkStatus
 
 RULES = {
-    "paper's rules": IntegerFuzzyIk,
-    "9 x 9, product": lambda: IntegerFuzzyIk(labels=(9, 9), conjunction="product"),
+    "paper's rules": Integer(),
+    "9 x 9, product": Integer(labels=[9, 9], conjunction="product"),
 }
 """What drives the arm: Table 1's shape of rules, and finer ones."""
 LARGEST_STEP = 3.0
@@ -26,29 +29,45 @@ LARGEST_LAG = 10.0
 
 def figure_7() -> Section:
     """Figures 7 and 8."""
-    return _traced("figure 7", "rectangle every 5 mm, figures 7, 8", rectangle())
+    return _traced("figure 7", "rectangle every 5 mm, figures 7, 8", "integer_rectangle")
 
 
 def figure_9() -> Section:
     """Figures 9 and 10."""
-    return _traced("figure 9", "circle every 1°, figures 9, 10", circle())
+    return _traced("figure 9", "circle every 1°, figures 9, 10", "integer_circle")
 
 
 def figure_11() -> Section:
     """Figures 11 and 12."""
-    return _traced("figure 11", "inclined line, figures 11, 12", inclined_line())
+    return _traced("figure 11", "inclined line, figures 11, 12", "integer_line")
 
 
-def _traced(key: str, title: str, points: Array) -> Section:
-    inverse = tojo_inverse()
+@dataclass(frozen=True)
+class Trace:
+    """One run along a path: a row a point."""
+
+    seconds: Array
+    """When each was wanted (k,) [s]."""
+    desired: Array
+    """Points of the workplane (k,2) [mm]."""
+    position: Array
+    """Joints of the plant a period later (k,n) [rad]."""
+
+
+def _traced(key: str, title: str, file: str) -> Section:
+    inverse, scenario = tojo_inverse(), load_scenario(file)
+    points = path(scenario)
     cells = [Cell("points", None, len(points))]
     traces = {}
-    for name, make in RULES.items():
-        run = traces[name] = trace(make(), inverse, points)
-        distance, height = workplane_errors(inverse, points, run.command)
-        lag = np.linalg.norm(inverse.reached(run.position) - inverse.reached(run.command), axis=-1)
-        step = float(np.rad2deg(np.abs(np.diff(run.command, axis=0)).max()))
-        inside = int((run.status == IntegerFuzzyIkStatus.INSIDE).sum())
+    for name, controller in RULES.items():
+        log = simulate(scenario.but(controller=controller))
+        after = slice(1, len(points) + 1)  # what the cycle of each point led to
+        run = traces[name] = Trace(log.time[: len(points)], points, log.q[after])
+        command, status = log.command[after], log.status[after]
+        distance, height = workplane_errors(inverse, points, command)
+        lag = np.linalg.norm(inverse.reached(run.position) - inverse.reached(command), axis=-1)
+        step = float(np.rad2deg(np.abs(np.diff(command, axis=0)).max()))
+        inside = int((status == IntegerFuzzyIkStatus.INSIDE).sum())
         cells += [
             Cell(f"{name}: points with status INSIDE", None, inside, inside == len(points)),
             Cell(f"{name}: error of the command, max [mm]", None, float(distance.max())),
@@ -69,8 +88,8 @@ def _traced(key: str, title: str, points: Array) -> Section:
         ]
     notes = [
         "The paper shows photographs and joint angles and gives no error. A point every "
-        f"{1000 * PERIOD:g} ms, the plant",
-        "of the arm with a PD servo a joint in the Diagram.",
+        f"{1000 / scenario.control_rate:g} ms, the plant",
+        f"of the arm with a PD servo a joint in the Diagram: `fikm-drake run {file}`.",
     ]
     pictures = {f"integer_{key}".replace(" ", "_"): _figure(traces, inverse)}
     return Section(key, title, cells, notes, pictures)
@@ -81,9 +100,8 @@ def _figure(traces: dict[str, Trace], inverse: WorkplaneInverse) -> Figure:
     for row, (name, run) in zip(figure.subplots(2, 2), traces.items()):
         _plot_from_above(row[0], run, inverse)
         row[0].set_title(f"{name}: from above", fontsize=10)
-        seconds = PERIOD * np.arange(len(run.desired))
         for angles, joint in zip(np.rad2deg(run.position).T, TABLE_1):
-            row[1].plot(seconds, angles, linewidth=1.2, label=joint)
+            row[1].plot(run.seconds, angles, linewidth=1.2, label=joint)
         row[1].set_title(f"{name}: joints of the plant", fontsize=10)
         row[1].set_xlabel("time [s]")
         row[1].set_ylabel("joint position [°]")
@@ -107,32 +125,7 @@ def _plot_from_above(axes: Axes, run: Trace, inverse: WorkplaneInverse) -> None:
     axes.legend(fontsize=8, loc="lower right")
 
 
-CORNERS = [(0, 0), (400, 0), (400, 300), (0, 300), (0, 0)]
-"""Corners of the rectangle of 400 mm x 300 mm."""
-CENTRE, RADIUS = (200, 150), 150
-"""Centre and radius of the circle: the largest inside the rectangle; the paper gives neither."""
-STEP = 5.0
-"""Between neighbouring points of the rectangle and of the line [mm]."""
-
-
-def rectangle() -> Array:
-    """Figures 7 and 8: the edges of the workplane's rectangle every 5 mm (k,2)."""
-    sides = [line(start, end)[:-1] for start, end in zip(CORNERS, CORNERS[1:])]
-    return np.concatenate([*sides, np.array(CORNERS[:1], dtype=float)])
-
-
-def circle() -> Array:
-    """Figures 9 and 10: a circle every 1° (361,2)."""
-    angle = np.deg2rad(np.arange(361))
-    return CENTRE + RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def inclined_line() -> Array:
-    """Figures 11 and 12: from the near left corner to the far right one every 5 mm (k,2)."""
-    return line(CORNERS[0], CORNERS[2])
-
-
-def line(start: tuple[float, float], end: tuple[float, float]) -> Array:
-    """Points every 5 mm from start to end, both included (k,2)."""
-    steps = round(float(np.hypot(end[0] - start[0], end[1] - start[1])) / STEP)
-    return np.linspace(start, end, steps + 1)
+def path(scenario: Scenario) -> Array:
+    """The points of the workplane (k,2) that a scenario's cycles are for [mm], without its hold."""
+    count = round(scenario.target.duration * scenario.control_rate) + 1
+    return tojo_inverse().workplane.from_world(scenario.targets()[:count])[:, :2]

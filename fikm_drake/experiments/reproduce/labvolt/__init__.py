@@ -3,6 +3,7 @@
 from fikm_drake.experiments.reproduce.labvolt.figures import figure_5, figure_6, figure_9
 from fikm_drake.experiments.reproduce.labvolt.findings import reach, rounding, rules, starts
 from fikm_drake.experiments.reproduce.labvolt.open_choices import readings
+from fikm_drake.experiments.reproduce.labvolt.square import square
 from fikm_drake.experiments.reproduce.labvolt.tables import table_3, table_4
 from fikm_drake.experiments.reproduce.report import Experiment
 
@@ -17,5 +18,6 @@ EXPERIMENTS: dict[str, Experiment] = {
     "reach": reach,
     "readings": readings,
     "rounding": rounding,
+    "square": square,
 }
 """What can be reproduced."""
