@@ -47,7 +47,7 @@ JUMP = 0.05
 """A target that moves by more than this fraction of the error in a cycle has left it behind [-]."""
 
 CREEPS = 5e-4
-"""A calmed arm gets nowhere if a cycle takes away less than this fraction of the error, times the calm [-]..."""
+"""A calmed arm gets nowhere if a cycle takes away less of the error than this, times the calm [-]..."""
 
 STILL = 0.01
 """...before a target that moved by less than this fraction of the error in the slow window [-]."""

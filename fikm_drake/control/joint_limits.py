@@ -93,7 +93,7 @@ class JointLimits:
         low = np.minimum(self.lower - position, 0.0)
         high = np.maximum(self.upper - position, 0.0)
         if self.brakes:
-            low, high = -self._braking(-low), self._braking(high)
+            low, high = -self.braking(-low), self.braking(high)
         if self._fast:
             low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
         return low, high
@@ -113,9 +113,10 @@ class JointLimits:
         """The step (n,), shortened as a whole so that each joint's can be braked within its own length.
 
         Nothing else is known of the way to the target, so this is where an arm with limits of acceleration
-        begins to brake before it. Without such limits it is the step itself.
+        begins to brake before it. Without such limits it is the step itself. `control.saturation` lets
+        the others go on where one joint brakes slowly.
         """
-        return self._shorten(step, self._braking(np.abs(step))) if self.brakes else step
+        return self._shorten(step, self.braking(np.abs(step))) if self.brakes else step
 
     def shorten(self, step: Array) -> Array:
         """The step (n,), shortened as a whole to the speed that every joint may have."""
@@ -156,7 +157,7 @@ class JointLimits:
         excess = float((np.abs(step) / np.maximum(longest, 1e-300)).max())
         return step / excess if excess > 1.0 else step
 
-    def _braking(self, distance: Array) -> Array:
+    def braking(self, distance: Array) -> Array:
         """The longest step (n,) after which a stop within `distance` (n,) is possible.
 
         A step s in k·change ≤ s < (k + 1)·change and the shorter ones that follow, each by `change`,
@@ -167,6 +168,14 @@ class JointLimits:
             k = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * distance / a) - 1.0))
             step = distance / (k + 1.0) + 0.5 * k * a
         return np.where(np.isfinite(step), step, distance)
+
+    def braked_in(self, cycles: float) -> Array:
+        """The longest step (n,) that is braked to nothing in so many cycles [rad or m]."""
+        return cycles * self._change
+
+    def braking_cycles(self, step: Array) -> Array:
+        """Cycles in which a step of these lengths (n,) is braked to nothing (n,) [-]."""
+        return step / self._change
 
 
 class StepBox:

@@ -11,7 +11,7 @@ from fikm_drake.checks import check_not_negative, check_number, check_position, 
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
-from fikm_drake.control.saturation import BRAKING_GAIN, GAIN, resolve
+from fikm_drake.control.saturation import BRAKING_GAIN, GAIN, brake, resolve
 from fikm_drake.control.steps import length
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.laws.law import Law
@@ -79,9 +79,9 @@ class SafeStep:
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
 
-        What a joint at its limit of position or speed may not do the law does with the others, see
-        `control.saturation`. Limits of acceleration are left to the guard: to make up for them with
-        other joints, in this cycle, would let the arm swing.
+        What a joint at its limit of position or speed may not do, or could not brake on the way that it
+        has, the law does with the others, see `control.saturation`. How fast a step may change is left to
+        the guard: to make up for that with other joints, in this cycle, would let the arm swing.
 
         Args:
             q: joint positions (n,) [rad or m].
@@ -95,10 +95,6 @@ class SafeStep:
         if box.surely_holds(short):
             return short, False
         limits, (low, high) = box.limits, box.steady_bounds
-        step = limits.brakeable(short)
-        if (np.minimum(np.maximum(step, low), high) == step).all():
-            return step, step is not short
-        kept = limits.shorten(step)
         more = () if damping is None else (damping,)
 
         def solve(J: Array, error: Array) -> Array:
@@ -106,11 +102,20 @@ class SafeStep:
                 return self._law(J, error, *more)
             return weights * self._law(J * weights, error, *more)
 
-        if step is not free:  # the law for an error that asks for this step
-            share = length(step) / max(length(free), length(step), 1e-300)
+        if short is not free:  # the law for an error that asks for this step
+            share = length(short) / max(length(free), length(short), 1e-300)
             error = share * error
             secondary = None if secondary is None else share * secondary
-        gain = BRAKING_GAIN if limits.brakes else GAIN
+        step, gain = short, GAIN
+        if limits.brakes:
+            step, gain = brake(solve, J, error, short, limits, secondary=secondary), BRAKING_GAIN
+        if (np.minimum(np.maximum(step, low), high) == step).all():
+            return step, step is not short
+        if step is not short:
+            share = length(step) / max(length(short), length(step), 1e-300)
+            error = share * error
+            secondary = None if secondary is None else share * secondary
+        kept = limits.shorten(step)
         return resolve(
             solve, J, error, step, low, high, shortened=kept, secondary=secondary, gain=gain
         ), True

@@ -6,6 +6,7 @@ from math import sqrt
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.control.joint_limits import JointLimits
 
 Solve = Callable[[Array, Array], Array]
 """A law, or a law with its damping and weights: (J (m,n), error (m,)) to a joint step (n,)."""
@@ -84,6 +85,59 @@ def resolve(
     near, other = (size - _norm(asked - J.dot(x)) for x in (inside, kept))
     # `near` is NaN where the law's second answer is: then the first is kept.
     return inside if near > 0.0 and near > gain * other else kept
+
+
+def brake(
+    solve: Solve,
+    J: Array,
+    error: Array,
+    step: Array,
+    limits: JointLimits,
+    *,
+    secondary: Array | None = None,
+) -> Array:
+    """A law's joint step (n,) that can be braked within its own length [rad or m].
+
+    Joints that are slow to brake hold back the others if the whole step is shortened for them. They get
+    what they can brake while the others do, and the law is asked again for the rest with the others,
+    shortened as a whole for the slowest of these; the slowest of what is left are slow in turn, at most
+    `PASSES` times. Where that does not bring the tool `BRAKING_GAIN` times as near, as where all joints
+    are alike, the whole step is shortened, which keeps its direction.
+
+    Args:
+        solve: the law.
+        J: task Jacobian (m,n).
+        error: what the law was asked for (m,) [m].
+        step: what it answered, with `secondary` (n,) [rad or m].
+        limits: of the joints.
+        secondary: null-space motion in `step` (n,) [rad or m].
+    """
+    kept = limits.brakeable(step)
+    if kept is step:
+        return step
+    asked = J.dot(step)
+    size = _norm(asked)
+    best, most = kept, BRAKING_GAIN * (size - _norm(asked - J.dot(kept)))
+    free, fixed, trial = np.ones(len(step), bool), np.zeros(len(step)), step
+    for _ in range(PASSES):
+        sizes = np.abs(trial)
+        longest = limits.braking(sizes)
+        excess = np.where(free, sizes / (longest + TINY), 0.0)
+        slow = free & (excess >= 0.5 * excess.max())
+        free &= ~slow
+        if not free.any():
+            break
+        cycles = max(1.0, float(limits.braking_cycles(longest)[free].max()))
+        longest = np.minimum(longest, limits.braked_in(cycles))
+        fixed[slow] = np.copysign(np.minimum(sizes, longest), trial)[slow]
+        rest = fixed if secondary is None else np.where(free, secondary, fixed)
+        rest = rest + np.where(free, solve(J * free, error - J.dot(rest)), 0.0)
+        trial = np.where(free, limits.brakeable(np.where(free, rest, 0.0)), fixed)
+        near = size - _norm(asked - J.dot(trial))
+        if near > most:
+            best, most = trial, near
+        trial = rest
+    return best
 
 
 def _norm(vector: Array) -> float:

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fikm_drake as fd
-from fikm_drake.control.saturation import resolve
+from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.saturation import brake, resolve
 
 LAWS = {
     "fuzzy": fd.FuzzyMapping(),
@@ -101,6 +102,40 @@ def test_bounds_that_leave_no_rest_are_kept():
     step = LAWS["pinv"].step(J, error)
     taken = resolve(LAWS["pinv"].step, J, error, step, low, high)
     assert taken[3] == 0.05 and left(J, error, taken) < 1e-9
+
+
+def braking(hard):
+    """Limits of acceleration only: `hard` (n,) is how much a step may change in a cycle."""
+    free = np.full(len(hard), np.inf)
+    return JointLimits(-free, free, period=1.0, acceleration_limits=hard)
+
+
+def test_a_joint_that_brakes_slowly_leaves_the_motion_to_the_others():
+    """Six joints do three rows without it; it gets what it can brake in the cycle that they take."""
+    law = LAWS["pinv"]
+    for seed in range(20):
+        J, error, _, _ = problem(seed)
+        limits = braking(np.where(np.arange(7) == 2, 1e-6, np.inf))
+        step = law.step(J, error)
+        assert left(J, error, limits.brakeable(step)) > 0.5 * np.linalg.norm(error)
+        taken = brake(law.step, J, error, step, limits)
+        assert left(J, error, taken) < 1e-9
+        assert abs(taken[2]) <= 1e-6 and taken[2] * step[2] > 0.0
+
+
+@pytest.mark.parametrize("name", LAWS)
+@settings(max_examples=25)
+@given(seed=st.integers(0, 10**6), n=st.integers(1, 20))
+def test_what_is_to_be_braked_can_be_and_is_no_farther_than_the_shortened_step(name, seed, n):
+    rng, law = np.random.default_rng(seed), LAWS[name]
+    J, error, _, _ = problem(seed, 3, n)
+    limits = braking(10.0 ** rng.uniform(-6.0, -2.0, n))
+    step = law.step(J, error)
+    taken, kept = brake(law.step, J, error, step, limits), limits.brakeable(step)
+    assert np.isfinite(taken).all()
+    assert left(J, J @ step, taken) <= left(J, J @ step, kept) * (1 + 1e-12)
+    if limits.brakeable(step) is step:
+        assert taken is step
 
 
 def test_free_joints_keep_their_null_space_motion():

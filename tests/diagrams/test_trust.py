@@ -14,6 +14,10 @@ PANDA = [0.1, -0.7, 0.2, -2.2, 0.1, 1.6, 0.7]
 BALL = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
 
+def lengths(vectors):
+    return np.linalg.norm(vectors, axis=-1)
+
+
 def lifted_arm(speed):
     """A 3R arm on a lift with this limit of speed [m/s]."""
     joints = [
@@ -51,6 +55,22 @@ def test_a_slow_lift_does_not_hold_back_the_arm_on_it(speed, iterations, run, fu
     steps = np.abs(np.diff(series["commanded_position"], axis=0)).max(axis=0)
     assert (steps <= np.array([speed, 2.0, 2.0, 2.0]) / 100.0 + 1e-12).all()
     assert Status.LIMITED in series["status"][:20]
+
+
+@pytest.mark.parametrize("iterations", [1, 3])
+@pytest.mark.parametrize("hardest", [0.01, 0.05, 0.5])
+def test_a_lift_that_is_slow_to_brake_does_not_hold_back_the_arm_on_it(
+    hardest, iterations, run, fused
+):
+    """It took 10 s at 0.01 m/s²; without the limit 1 s."""
+    law, accelerations = fd.FuzzyMapping(iterations=iterations), [hardest, np.inf, np.inf, np.inf]
+    config = fd.FuzzyIkConfig(
+        control_rate=100.0, law=law, fused=fused, acceleration_limits=accelerations
+    )
+    series = run(lifted_arm(1.0), config, np.zeros(4), np.tile((0.3, 0.3, 0.9), (150, 1)))
+    assert lengths(series["task_error"])[120:].max() < 1e-3
+    steps = np.diff(series["commanded_position"][:, 0], prepend=0.0)
+    assert np.abs(np.diff(steps)).max() <= hardest * 1e-4 + 1e-12
 
 
 @pytest.mark.parametrize(
