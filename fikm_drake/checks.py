@@ -50,6 +50,14 @@ def check_finites(name: str, values: object, count: int, unit: str) -> list[floa
     return numbers
 
 
+def check_joint(joint: object, num_joints: int) -> None:
+    """ValueError, naming it, unless `joint` is the index of one of `num_joints` joints, from 0."""
+    if isinstance(joint, bool) or joint not in range(num_joints):
+        raise ValueError(
+            f"joint must be in 0 … {num_joints - 1} (joints count from 0), got {joint!r}"
+        )
+
+
 def check_flag(name: str, value: object) -> bool:
     """The value; ValueError, naming it, unless it is True or False."""
     if not isinstance(value, (bool, np.bool_)):
@@ -87,12 +95,12 @@ def check_limits(lower: ArrayLike, upper: ArrayLike) -> tuple[Array, Array]:
 def check_position(
     position: ArrayLike, lower: Array, upper: Array, *, name: str = "joint position"
 ) -> Array:
-    """The joint position (n,); ValueError, naming the joint, unless it is finite and inside limits."""
+    """The joint position (n,); ValueError, with the joint's index, unless it is finite and inside limits."""
     position = np.array(position, dtype=float)
     if position.shape != lower.shape or not np.isfinite(position).all():
         raise ValueError(f"{name} must be {len(lower)} finite numbers, got {position.tolist()}")
     for j in np.flatnonzero((position < lower) | (position > upper)):
-        raise ValueError(f"{name} {j + 1} must be from {lower[j]} to {upper[j]}, got {position[j]}")
+        raise ValueError(f"{name}[{j}] must be from {lower[j]} to {upper[j]}, got {position[j]}")
     return position
 
 

@@ -63,7 +63,7 @@ def add_train(commands: "argparse._SubParsersAction") -> None:
     )
     traced.add_argument("arm", help="name (see `fikm-drake models`) or path of a .yaml file")
     traced.add_argument("out", metavar="BOUNDS.yaml", help="the file to write")
-    traced.add_argument("--joint", type=int, default=1, help="whose bounds (1)")
+    traced.add_argument("--joint", type=int, default=0, help="whose bounds, from 0 (0)")
     traced.add_argument("--inputs", choices=INPUTS, default="polar")
     traced.add_argument(
         "--points", type=positive_count, default=TRACED_POINTS, help=f"how many ({TRACED_POINTS})"

@@ -65,7 +65,7 @@ class RedundancyIk(LeafSystem):
         else:
             port = self.DeclareVectorInputPort("desired_position", len(task.coordinates))
         self._desired = port.Eval
-        at = start[resolver.joint - 1]
+        at = start[resolver.joint]
         self.DeclareStateOutputPort("commanded_position", self.DeclareDiscreteState(start))
         self.DeclareStateOutputPort("bounds", self.DeclareDiscreteState([at, at]))
         status = self.DeclareDiscreteState([float(ResolutionStatus.SOLVED)])

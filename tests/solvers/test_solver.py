@@ -66,8 +66,11 @@ def test_targets_that_are_none(path, home):
         (lambda s: s.solve([0.1, 0.2]), r"must have shape \(3,\), got \(2,\)"),
         (lambda s: s.solve(np.eye(4)), r"must have shape \(3,\), got \(4, 4\)"),
         (lambda s: s.solve([0.5, 0, 0.5], [0.0] * 6), r"must have shape \(7,\)"),
-        (lambda s: s.solve([0.5, 0, 0.5], [0, 9, 0, 0, 0, 0, 0]), "joint 2 must be finite and in"),
-        (lambda s: s.solve([0.5, 0, 0.5], [np.inf] * 7), "joint 1 must be finite"),
+        (
+            lambda s: s.solve([0.5, 0, 0.5], [0, 9, 0, 0, 0, 0, 0]),
+            r"initial_position\[1\] must be finite and in",
+        ),
+        (lambda s: s.solve([0.5, 0, 0.5], [np.inf] * 7), r"initial_position\[0\] must be finite"),
         (lambda s: s.solve_batch([[0.5, 0, 0.5]], threads=0), "threads must be an integer"),
         (lambda s: fd.Solver("iiwa14"), "arm must be a SerialChain"),
     ],

@@ -112,7 +112,7 @@ def test_along_a_line_there_is_no_jump(block, drive):
         ({"period": 0.0}, ["period", "0.0"]),
         ({"period": -1.0}, ["period", "-1.0"]),
         ({"initial_position": [0.0, 0.0]}, ["3 finite"]),
-        ({"initial_position": [0.0, 2.0, 0.0]}, ["position 2", "2.0"]),
+        ({"initial_position": [0.0, 2.0, 0.0]}, ["position[1]", "2.0"]),
         ({"initial_position": [0.0, np.nan, 0.0]}, ["finite", "nan"]),
     ],
 )

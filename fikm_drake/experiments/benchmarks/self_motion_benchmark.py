@@ -69,7 +69,7 @@ def planar_against_closed_form(
     same, error, seconds = True, 0.0, 0.0
     for i, point in enumerate(points):
         began = time.process_time()
-        traced = tracer.trace(point).intervals(1)
+        traced = tracer.trace(point).intervals(0)
         seconds += time.process_time() - began
         exact = table[i]
         same &= len(traced) == len(exact)

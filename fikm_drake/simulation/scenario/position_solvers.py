@@ -63,12 +63,12 @@ class Redundancy:
 
     Attributes:
         task: what the target fixes; it must leave one degree of freedom.
-        joint: whose bounds are halved, from 1.
+        joint: whose bounds are halved, from 0.
         bounds: name or path of learned bounds; empty: those that come with the arm, or traced ones.
     """
 
     task: str = "xy"
-    joint: int = 1
+    joint: int = 0
     bounds: str = ""
 
     measures, avoids = False, False

@@ -215,8 +215,7 @@ class Scenario:
         if outside.size:
             i = outside[0]
             raise ValueError(
-                f"initial_position of joint {i + 1} must be in [{chain.lower[i]}, {chain.upper[i]}], "
-                f"got {q[i]}"
+                f"initial_position[{i}] must be in [{chain.lower[i]}, {chain.upper[i]}], got {q[i]}"
             )
         return np.array(q)
 

@@ -112,7 +112,7 @@ class Problem:
         where = tuple(np.argwhere(~(np.isfinite(q) & (q >= lower) & (q <= upper)))[0])
         joint = where[-1]
         raise ValueError(
-            f"initial_position of joint {joint + 1} must be finite and in "
+            f"initial_position[{joint}] must be finite and in "
             f"[{lower[joint]}, {upper[joint]}], got {q[where]}"
         )
 

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from pydrake.common.yaml import yaml_dump_typed
 
 from fikm_drake.arrays import Array
+from fikm_drake.checks import check_joint
 from fikm_drake.files import write_whole
 from fikm_drake.fuzzy.anfis.anfis import Anfis
 from fikm_drake.fuzzy.anfis.anfis_data import AnfisData
@@ -28,8 +29,8 @@ class BoundsData:
     """The arm that they are of."""
     task: str = "xy"
     """What the points fix: `xy` or `pose`."""
-    joint: int = 1
-    """Whose bounds they are, from 1."""
+    joint: int = 0
+    """Whose bounds they are, from 0."""
     inputs: str = "polar"
     """`xy` or `polar`."""
     lower: AnfisData = field(default_factory=AnfisData)
@@ -51,7 +52,7 @@ class LearnedBounds:
         lower: the lower bound [rad].
         upper: the upper bound [rad].
         task: what the points fix: `xy` or `pose`.
-        joint: whose bounds they are, from 1.
+        joint: whose bounds they are, from 0.
 
     Raises:
         ValueError: naming the bad value and the valid ones.
@@ -65,15 +66,14 @@ class LearnedBounds:
         upper: Anfis,
         *,
         task: str = "xy",
-        joint: int = 1,
+        joint: int = 0,
     ) -> None:
         self._inputs_of = BoundsInputs(arm, task, inputs)
         count = len(self._inputs_of.names)
         for name, anfis in (("lower", lower), ("upper", upper)):
             if len(anfis.memberships) != count:
                 raise ValueError(f"{name} must have {count} inputs, got {len(anfis.memberships)}")
-        if joint not in range(1, arm.num_joints + 1):
-            raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
+        check_joint(joint, arm.num_joints)
         self.arm, self.inputs, self.lower, self.upper = arm, inputs, lower, upper
         self.task, self.joint = task, joint
 
@@ -133,7 +133,7 @@ class LearnedBounds:
             raise ValueError(f"{path}: {error}") from error
 
     @classmethod
-    def find(cls, arm: DhArm, task: str = "xy", joint: int = 1) -> "LearnedBounds | None":
+    def find(cls, arm: DhArm, task: str = "xy", joint: int = 0) -> "LearnedBounds | None":
         """The bounds of an arm that come with the library; None if there are none.
 
         `train_bounds` or `fikm-drake train` makes others.

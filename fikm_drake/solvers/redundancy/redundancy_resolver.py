@@ -5,6 +5,7 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fikm_drake.checks import check_joint
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.task import Task
@@ -18,10 +19,10 @@ class RedundancyResolver:
     """Joint positions of an arm with one spare degree of freedom, in the middle of a joint's region.
 
     Section 4.5 of Hassantabar (2021), and what it lacks: the learned bounds give one joint, a closed
-    form (planar 3R, joint 1) or Newton's method the others, each posture is verified against all limits
-    and by forward kinematics, and one that fails is repaired by the exact bounds: in closed form, or by
-    tracing the self-motion. So the learning never costs accuracy: the tool is at the point to rounding,
-    or the point is flagged as infeasible. Not for several threads at once.
+    form (planar 3R, its first joint) or Newton's method the others, each posture is verified against
+    all limits and by forward kinematics, and one that fails is repaired by the exact bounds: in closed
+    form, or by tracing the self-motion. So the learning never costs accuracy: the tool is at the point
+    to rounding, or the point is flagged as infeasible. Not for several threads at once.
 
         resolver = fd.RedundancyResolver(fd.load_arm("hassantabar3r"))
         resolver.resolve([[1.0, 2.0], [-1.0, 3.0]]).q
@@ -35,7 +36,7 @@ class RedundancyResolver:
             for a planar 4R and 0.2 s for an iiwa14.
         task: what the points fix; it must leave one degree of freedom. A planar arm with three joints
             has `xy`, one with four has `pose`, a spatial one with seven has `pose`.
-        joint: whose bounds are halved, from 1. One that does not move along the self-motion (the
+        joint: whose bounds are halved, from 0. One that does not move along the self-motion (the
             elbow of many 7-joint arms) leaves the choice to the arc length: its middle is taken.
 
     Raises:
@@ -49,10 +50,9 @@ class RedundancyResolver:
         bounds: LearnedBounds | None = None,
         *,
         task: str = "xy",
-        joint: int = 1,
+        joint: int = 0,
     ) -> None:
-        if joint not in range(1, arm.num_joints + 1):
-            raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
+        check_joint(joint, arm.num_joints)
         self._arm, self._task, self._joint = arm, Task(task), joint
         self._region = _region(arm, self._task, joint)
         if bounds is not None:
@@ -73,7 +73,7 @@ class RedundancyResolver:
 
     @property
     def joint(self) -> int:
-        """Whose bounds are halved, from 1."""
+        """Whose bounds are halved, from 0."""
         return self._joint
 
     @property
@@ -119,7 +119,7 @@ class RedundancyResolver:
 
 def _region(arm: DhArm | SerialChain, task: Task, joint: int) -> Region:
     """In closed form where there is one."""
-    if task.name == "xy" and joint == 1:
+    if task.name == "xy" and joint == 0:
         with suppress(ValueError):  # not a planar 3R
             return ClosedFormRegion(arm)
     return TracedRegion(arm, task, joint)

@@ -88,7 +88,7 @@ class TracedRegion:
     Args:
         arm: the arm.
         task: it must leave one degree of freedom.
-        joint: whose region it is, from 1.
+        joint: whose region it is, from 0.
 
     Raises:
         ValueError: the task leaves none or more than one degree of freedom.
@@ -97,13 +97,13 @@ class TracedRegion:
     def __init__(self, arm: DhArm | SerialChain, task: Task, joint: int) -> None:
         self._arm, self._task, self._joint = arm, task, joint
         self._tracer = SelfMotionTracer(arm, task)
-        self._newton = PosturesAtJoint(arm, task, joint - 1)
+        self._newton = PosturesAtJoint(arm, task, joint)
         self._lower, self._upper = arm.lower, arm.upper
         self._middle = middle_of_limits(arm.lower, arm.upper)
 
     def postures(self, points: Array, joint_position: Array) -> tuple[Array, Bools]:
         """See `Region`."""
-        i = self._joint - 1
+        i = self._joint
         positions = np.clip(joint_position, self._lower[i], self._upper[i])
         return self._newton.solve(as_poses(points, self._task), positions)
 
@@ -125,7 +125,7 @@ class TracedRegion:
         intervals = motion.intervals(self._joint)
         widest = max(intervals, key=lambda interval: interval.upper - interval.lower)
         wanted = 0.5 * (widest.lower + widest.upper)
-        i = self._joint - 1
+        i = self._joint
         parts = [c for c in motion.components if widest.lower <= c.lower[i] <= widest.upper]
         found = np.concatenate([part.with_joint_at(self._joint, wanted) for part in parts])
         if not len(found) or widest.upper - widest.lower < NARROW:

@@ -28,7 +28,7 @@ def train_traced_bounds(
     arm: DhArm,
     *,
     task: str = "pose",
-    joint: int = 1,
+    joint: int = 0,
     inputs: str = "polar",
     memberships: tuple[int, ...] = (5, 5, 5),
     points: int = TRACED_POINTS,
@@ -45,7 +45,7 @@ def train_traced_bounds(
     Args:
         arm: a planar arm, with four revolute joints for the task `pose`, three for `xy`.
         task: what the points fix; it must leave one degree of freedom.
-        joint: whose bounds, from 1.
+        joint: whose bounds, from 0.
         inputs: see `BoundsInputs`.
         memberships: of each input, one number an input.
         points: to trace, some 20 ms each; a fifth of them is held back to find the best epoch.
@@ -61,7 +61,7 @@ def train_traced_bounds(
     if len(memberships) != len(inputs_of.names):
         raise ValueError(f"memberships must be of {inputs_of.names}, got {memberships!r}")
     networks = [
-        Anfis(memberships, names=[*inputs_of.names, f"theta_{joint}_{side}"])
+        Anfis(memberships, names=[*inputs_of.names, f"theta_{joint + 1}_{side}"])
         for side in ("lower", "upper")
     ]
     LearnedBounds(arm, inputs, *networks, task=task, joint=joint)  # all valid, before the tracing

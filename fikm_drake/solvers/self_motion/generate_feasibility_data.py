@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fikm_drake.checks import check_counts
+from fikm_drake.checks import check_counts, check_joint
 from fikm_drake.executors import completed
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
@@ -31,7 +31,7 @@ def generate_feasibility_data(
     executor: Executor | None = None,
     *,
     task: str | None = None,
-    joint: int = 1,
+    joint: int = 0,
     file: str | Path | None = None,
     progress: Callable[[float], None] | None = None,
     chunk: int | None = None,
@@ -47,7 +47,7 @@ def generate_feasibility_data(
         executor: of any kind, such as ProcessPoolExecutor or Dask's; None: this process.
         task: None: a planar 3R arm in closed form. Else self-motions of any arm are traced for this
             task, which must leave one degree of freedom.
-        joint: whose interval it is, from 1; 1 in closed form.
+        joint: whose interval it is, from 0; the first in closed form.
         file: where the data are kept (.npz), every 10 s and at the end. What it holds already of the
             same points is not computed again, so a run that was stopped goes on where it was.
         progress: called after each chunk with the fraction done.
@@ -84,13 +84,12 @@ def generate_feasibility_data(
 def _checked_source(arm: DhArm, task: str | None, joint: int) -> str:
     if task is None:
         Planar3R(arm)
-        if joint != 1:
-            raise ValueError(f"joint must be 1 without a task, got {joint!r}")
+        if joint != 0:
+            raise ValueError(f"joint must be 0 without a task, got {joint!r}")
     else:
         SpareTask(arm, task)
-        if joint not in range(1, arm.num_joints + 1):
-            raise ValueError(f"joint must be in 1 … {arm.num_joints}, got {joint!r}")
-    return f"{arm.table!r}, task {task}, joint {joint}"
+        check_joint(joint, arm.num_joints)
+    return f"{arm.table!r}, task {task}, joint{joint + 1}"
 
 
 def _started(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
+from fikm_drake.checks import check_joint
 from fikm_drake.solvers.self_motion.curve import CurvePoint, SelfMotionCurve
 from fikm_drake.solvers.self_motion.events import root_between
 from fikm_drake.solvers.self_motion.interval_table import FeasibleInterval
@@ -86,16 +87,16 @@ class SelfMotionComponent:
         A joint that turns back and is past `position` only between two points of `q` is not seen.
 
         Args:
-            joint: its number, from 1.
+            joint: its index, from 0.
             position: where it is to be [rad or m].
         """
         moving = self.curve.task.moving
 
         def away(point: CurvePoint) -> float:
-            return float(self.curve.task.full(point.q, self.q[0])[joint - 1] - position)
+            return float(self.curve.task.full(point.q, self.q[0])[joint] - position)
 
         points = [CurvePoint(*pair) for pair in zip(self.q[:, moving], self.tangents[:, moving])]
-        past = self.q[:, joint - 1] > position
+        past = self.q[:, joint] > position
         found = [
             self.curve.task.full(root_between(self.curve, here, there, away).q, self.q[0])
             for here, there, crossed in zip(points, points[1:], past[1:] != past[:-1])
@@ -144,19 +145,20 @@ class SelfMotion:
         """Positions of a joint that some component takes, as disjoint intervals in ascending order.
 
         Args:
-            joint: its number, from 1.
+            joint: its index, from 0.
 
         Raises:
             ValueError: there is no such joint.
         """
-        most = self.components[0].q.shape[1] if self.components else np.inf
-        if not 1 <= joint <= most:
-            raise ValueError(f"joint must be in 1 … {most}, got {joint!r}")
-        i = joint - 1
+        if self.components:
+            check_joint(joint, self.components[0].q.shape[1])
         parts = sorted(
             (
                 FeasibleInterval(
-                    float(c.lower[i]), float(c.upper[i]), c.lower_end[i], c.upper_end[i]
+                    float(c.lower[joint]),
+                    float(c.upper[joint]),
+                    c.lower_end[joint],
+                    c.upper_end[joint],
                 )
                 for c in self.components
             ),

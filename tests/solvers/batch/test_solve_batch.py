@@ -221,10 +221,10 @@ def test_solution_tells_its_counts():
         ({"max_cycles": 1.5}, "max_cycles must be an integer of at least 1, got 1.5"),
         ({"seed": -1}, "seed must be an integer of at least 0, got -1"),
         ({"initial_position": [0.0] * 6}, r"must have shape \(7,\) or \(2, 7\), got \(6,\)"),
-        ({"initial_position": [np.nan] * 7}, "joint 1 must be finite and in"),
+        ({"initial_position": [np.nan] * 7}, r"initial_position\[0\] must be finite and in"),
         (
             {"initial_position": [0, 3, 0, 0, 0, 0, 0]},
-            r"joint 2 must be finite and in \[-2.*, 2.*\], got 3.0",
+            r"initial_position\[1\] must be finite and in \[-2.*, 2.*\], got 3.0",
         ),
     ],
 )

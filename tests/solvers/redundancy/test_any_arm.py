@@ -52,13 +52,13 @@ def test_repair_takes_the_traced_middle(arm):
     poses = random_tool_poses(arm, 20, seed=22, near_limits=0.0)
     X = BoundsInputs(arm, "pose", "xy")(poses)
     far = Anfis((1, 1, 1)).fit(X, np.full(20, 40.0), epochs=1)
-    bounds = fd.LearnedBounds(arm, "xy", far, far, task="pose", joint=3)
-    found = fd.RedundancyResolver(arm, bounds, task="pose", joint=3).resolve(poses)
+    bounds = fd.LearnedBounds(arm, "xy", far, far, task="pose", joint=2)
+    found = fd.RedundancyResolver(arm, bounds, task="pose", joint=2).resolve(poses)
     check(arm, poses, found)
     repaired = np.flatnonzero(found.status == STATUS.REPAIRED)
     assert len(repaired) > 10
     for k in repaired:
-        (interval,) = fd.trace_self_motion(arm, poses[k], "pose").intervals(3)
+        (interval,) = fd.trace_self_motion(arm, poses[k], "pose").intervals(2)
         np.testing.assert_allclose(
             [found.lower[k], found.upper[k]], [interval.lower, interval.upper], atol=1e-9
         )
@@ -71,17 +71,17 @@ def test_postures_of_a_component_with_a_joint_at_a_position():
     motion = fd.trace_self_motion(arm, [0.4, 0.9, -0.7, 0.5], "pose")
     component = motion.components[0]
     low, high = component.lower[1], component.upper[1]
-    found = component.with_joint_at(2, 0.3 * low + 0.7 * high)
+    found = component.with_joint_at(1, 0.3 * low + 0.7 * high)
     assert len(found) >= 2
     np.testing.assert_allclose(found[:, 1], 0.3 * low + 0.7 * high, atol=1e-11)
     pose = arm.forward_kinematics([0.4, 0.9, -0.7, 0.5])
     np.testing.assert_allclose(
         arm.forward_kinematics(found), np.stack([pose] * len(found)), atol=1e-12
     )
-    assert component.with_joint_at(2, high + 0.1).shape == (0, 4)
+    assert component.with_joint_at(1, high + 0.1).shape == (0, 4)
 
 
-@pytest.mark.parametrize(("name", "joint"), [("iiwa14", 3), ("iiwa14", 4), ("planar4", 1)])
+@pytest.mark.parametrize(("name", "joint"), [("iiwa14", 2), ("iiwa14", 3), ("planar4", 0)])
 def test_arms_without_learned_bounds_are_traced(name, joint):
     """Seven joints; a joint that does not move along the self-motion; no limits at all."""
     arm = fd.load_arm(name)
@@ -89,15 +89,15 @@ def test_arms_without_learned_bounds_are_traced(name, joint):
     found = fd.RedundancyResolver(arm, task="pose", joint=joint).resolve(poses)
     check(arm, poses, found)
     assert (found.status == STATUS.REPAIRED).all()
-    assert (found.lower <= found.q[:, joint - 1] + 1e-12).all()
-    assert (found.q[:, joint - 1] <= found.upper + 1e-12).all()
+    assert (found.lower <= found.q[:, joint] + 1e-12).all()
+    assert (found.q[:, joint] <= found.upper + 1e-12).all()
 
 
 def test_tracing_agrees_with_the_closed_form():
     """The planar 3R by another joint: joint 1 is within its exact bounds, the tool at the point."""
     arm = fd.load_arm("hassantabar3r")
     points = random_workspace_points(arm, 15, seed=24)
-    for joint in (2, 3):
+    for joint in (1, 2):
         found = fd.RedundancyResolver(arm, joint=joint).resolve(points)
         assert found.success.all() and found.position_error.max() <= 1e-12
         for k, point in enumerate(points):
@@ -207,11 +207,11 @@ def test_inputs_of_poses(arm):
         (lambda arm, r: r.resolve(np.zeros((3, 2))), ["(N, 4, 4)", "(3, 2)"]),
         (lambda arm, r: fd.RedundancyResolver(arm), ["xy", "leaves 2"]),
         (lambda arm, r: fd.RedundancyResolver(arm, task="round"), ["task", "round"]),
-        (lambda arm, r: fd.RedundancyResolver(arm, task="pose", joint=5), ["joint", "1 … 4", "5"]),
-        (lambda arm, r: fd.RedundancyResolver(arm, task="pose", joint=0), ["joint", "0"]),
+        (lambda arm, r: fd.RedundancyResolver(arm, task="pose", joint=4), ["joint", "0 … 3", "4"]),
+        (lambda arm, r: fd.RedundancyResolver(arm, task="pose", joint=-1), ["joint", "-1"]),
         (
-            lambda arm, r: fd.RedundancyResolver(arm, r.bounds, task="pose", joint=2),
-            ["joint 1", "joint 2"],
+            lambda arm, r: fd.RedundancyResolver(arm, r.bounds, task="pose", joint=1),
+            ["joint 0", "joint 1"],
         ),
         (
             lambda arm, r: fd.RedundancyResolver(fd.load_arm("planar4"), r.bounds, task="pose"),
@@ -219,7 +219,7 @@ def test_inputs_of_poses(arm):
         ),
         (lambda arm, r: fd.train_traced_bounds(arm, inputs="round"), ["inputs", "round", "polar"]),
         (lambda arm, r: fd.train_traced_bounds(arm, task="xz"), ["task", "xz", "pose"]),
-        (lambda arm, r: fd.train_traced_bounds(arm, joint=5), ["joint", "5"]),
+        (lambda arm, r: fd.train_traced_bounds(arm, joint=4), ["joint", "4"]),
         (lambda arm, r: fd.train_traced_bounds(arm, points=0), ["count", "0"]),
         (lambda arm, r: fd.train_traced_bounds(arm, memberships=(5, 5)), ["memberships", "(5, 5)"]),
         (lambda arm, r: fd.train_traced_bounds(fd.load_arm("iiwa14")), ["iiwa14", "four"]),

@@ -66,7 +66,7 @@ def test_150_points_of_the_thesis_against_the_closed_form():
     for i, point in enumerate(points):
         motion = tracer.trace(point)
         assert motion.status == SelfMotionStatus.TRACED
-        (interval,), (exact,) = motion.intervals(1), table[i]
+        (interval,), (exact,) = motion.intervals(0), table[i]
         assert interval.lower == pytest.approx(exact.lower, abs=1e-9)
         assert interval.upper == pytest.approx(exact.upper, abs=1e-9)
 
@@ -77,7 +77,7 @@ def test_a_target_that_is_nearly_singular():
     tracer = SelfMotionTracer(arm, "xy")
     for gap in (1e-2, 1e-4, 1e-6, -1e-6, -1e-4, -1e-2):
         point = (2.5 + gap) * np.array([np.cos(1.23), np.sin(1.23)])
-        (interval,), (exact,) = tracer.trace(point).intervals(1), feasible_intervals(arm, point)
+        (interval,), (exact,) = tracer.trace(point).intervals(0), feasible_intervals(arm, point)
         assert interval.lower == pytest.approx(exact.lower, abs=1e-9)
         assert interval.upper == pytest.approx(exact.upper, abs=1e-9)
 
@@ -94,7 +94,7 @@ def test_random_planar_arms_with_several_components(seed):
     tracer = SelfMotionTracer(arm, "xy")
     for point in rng.uniform(-2.5, 2.5, (15, 2)):
         motion, exact = tracer.trace(point), feasible_intervals(arm, point)
-        traced = motion.intervals(1)
+        traced = motion.intervals(0)
         assert len(traced) == len(exact)
         for ours, theirs in zip(traced, exact):
             assert (ours.lower, ours.upper) == pytest.approx((theirs.lower, theirs.upper), abs=1e-9)
@@ -109,7 +109,7 @@ def test_a_joint_with_hardly_any_range():
     tracer = SelfMotionTracer(arm, "xy")
     q = np.random.default_rng(8).uniform(arm.lower, arm.upper, (30, 3))
     for point in arm.forward_kinematics(q)[:, :2, 3]:
-        traced, exact = tracer.trace(point).intervals(1), feasible_intervals(arm, point)
+        traced, exact = tracer.trace(point).intervals(0), feasible_intervals(arm, point)
         assert len(traced) == len(exact) == 1
         assert traced[0].lower == pytest.approx(exact[0].lower, abs=1e-9)
         assert traced[0].upper == pytest.approx(exact[0].upper, abs=1e-9)
@@ -198,7 +198,7 @@ def test_four_joints_with_planar_pose_are_three_joints_with_position():
     motion = trace_self_motion(four, q, "pose")
     point = three.forward_kinematics(q[:3])[:2, 3]
     check(four, motion, four.forward_kinematics(q))
-    traced, exact = motion.intervals(1), feasible_intervals(three, point)
+    traced, exact = motion.intervals(0), feasible_intervals(three, point)
     assert len(traced) == len(exact) > 0
     for ours, theirs in zip(traced, exact):
         assert (ours.lower, ours.upper) == pytest.approx((theirs.lower, theirs.upper), abs=1e-9)
@@ -231,7 +231,7 @@ def test_prismatic_joint_has_a_closed_form():
     check(arm, motion, X, slice(2))
     # The end of the slide is 0.4 m from the point, so its reach is between r - 0.4 and r + 0.4.
     r = np.hypot(*X[:2, 3])
-    slide = motion.intervals(2)
+    slide = motion.intervals(1)
     assert slide[0].lower == pytest.approx(max(r - 0.4, 0.5), abs=1e-6)
     assert slide[-1].upper <= min(r + 0.4, 2.0) + 1e-12
 
@@ -250,7 +250,7 @@ def test_plant_with_joints_that_do_not_move_the_tool():
     (exact,) = feasible_intervals(arm, point)
     (component,) = motion.components
     assert component.q.shape[1] == plant.num_positions() == 6
-    (interval,) = motion.intervals(plant.GetJointByName("joint1", instance).position_start() + 1)
+    (interval,) = motion.intervals(plant.GetJointByName("joint1", instance).position_start())
     assert (interval.lower, interval.upper) == pytest.approx((exact.lower, exact.upper), abs=1e-9)
     q = component.q[2].copy()
     finger = plant.GetJointByName("slide").position_start()
@@ -314,7 +314,7 @@ def test_start_at_a_limit_and_at_a_corner():
     again = trace_self_motion(arm, end, "xy")
     assert len(again.components) == 1
     assert again.components[0].length == pytest.approx(motion.components[0].length, abs=1e-5)
-    assert again.intervals(1)[0].upper == pytest.approx(interval.upper, abs=1e-9)
+    assert again.intervals(0)[0].upper == pytest.approx(interval.upper, abs=1e-9)
     corner = trace_self_motion(arm, arm.upper, "xy")
     assert corner.status in (SelfMotionStatus.TRACED, SelfMotionStatus.INFEASIBLE)
     check(arm, corner, arm.forward_kinematics(arm.upper), slice(2))
@@ -326,7 +326,7 @@ def test_statuses_of_targets_without_postures():
     assert tracer.trace([9.0, 0.0]).status == SelfMotionStatus.UNREACHABLE
     infeasible = tracer.trace([-2.0, 1.0])
     assert infeasible.status == SelfMotionStatus.INFEASIBLE
-    assert infeasible.components == [] and infeasible.intervals(1) == []
+    assert infeasible.components == [] and infeasible.intervals(0) == []
     four = planar((1.0, 0.8, 0.6, 0.3), [(-2.0, 2.0)] * 4)
     X = four.forward_kinematics([0.3, 0.5, 0.7, -0.4])
     X[2, 3] = 0.1  # out of the plane, in a row that no joint moves
@@ -340,7 +340,7 @@ def test_posture_outside_the_limits_stands_for_its_target():
     q = np.array([0.5, -0.3, 2.0])
     motion = trace_self_motion(arm, q, "xy")
     exact = feasible_intervals(arm, arm.forward_kinematics(q)[:2, 3])
-    assert len(motion.intervals(1)) == len(exact)
+    assert len(motion.intervals(0)) == len(exact)
     check(arm, motion, arm.forward_kinematics(q), slice(2))
 
 
@@ -394,5 +394,5 @@ def test_bad_options_plants_and_joints_are_named():
         SelfMotionTracer(MakeDhArmPlant(arm), "xy", frame="hand")
     with pytest.raises(ValueError, match="a pose"):
         trace_self_motion(load_arm("iiwa14"), [0.5, 0.0, 0.5], "pose")
-    with pytest.raises(ValueError, match="joint must be in 1 … 3"):
-        trace_self_motion(arm, [1.0, 2.0], "xy").intervals(4)
+    with pytest.raises(ValueError, match="joint must be in 0 … 2"):
+        trace_self_motion(arm, [1.0, 2.0], "xy").intervals(3)

@@ -16,7 +16,7 @@ from fikm_drake.solvers.redundancy.workspace_points import random_tool_poses
 from fikm_drake.solvers.self_motion.generate_feasibility_data import generate_feasibility_data
 
 ARM = "hassantabar4r"
-SEVEN_JOINTS, JOINT = "iiwa14", 3
+SEVEN_JOINTS, JOINT = "iiwa14", 2
 SEED = 1
 """Training has another."""
 FRESH, TRACED, TRACED_7 = 1000, 100, 4
@@ -67,7 +67,7 @@ def no_closed_form() -> Section:
     notes = [
         f"{ARM}, task pose, joint 1: 125 rules of 4000 traced poses, `fikm-drake train traced-bounds {ARM}`.",
         f"{FRESH} fresh poses of random postures, seed {SEED}.",
-        f"{SEVEN_JOINTS}: joint {JOINT}, {TRACED_7} poses, traced: nothing is learned over poses in space.",
+        f"{SEVEN_JOINTS}: joint {JOINT + 1}, {TRACED_7} poses, traced: nothing is learned over poses.",
     ]
     return Section(
         "no closed form", "redundancy resolution where there is no closed form", cells, notes

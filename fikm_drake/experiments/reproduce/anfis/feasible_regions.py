@@ -91,7 +91,7 @@ def _feasible(table: IntervalTable) -> float:
 def _traced(found: Region) -> Cell:
     """The largest difference between traced and exact bounds of θ1."""
     table = feasible_interval_table(load_arm(ARM), found.trajectory.at(found.percent))
-    differences = np.abs(np.subtract(found.bounds(1), table.widest()))
+    differences = np.abs(np.subtract(found.bounds(0), table.widest()))
     same = np.array_equal(np.isnan(differences[0]), ~table.feasible)
     largest = float(np.nanmax(differences))
     return Cell(

@@ -16,7 +16,7 @@ def figure_3_16() -> Section:
     """Figures 3.16-3.19: the middle of θ1 is inside the others' regions, not in their middles."""
     arm, found = load_arm(ARM), region(A)
     geometry, points = Planar3R(arm), A.at(found.percent)
-    middles = np.mean([found.bounds(joint) for joint in (1, 2, 3)], axis=1).T
+    middles = np.mean([found.bounds(joint) for joint in range(3)], axis=1).T
     q = geometry.postures(points, middles[:, 0])[:, 0]
     inside = bool(geometry.is_inside(q).all())
     error = float(np.abs(arm.forward_kinematics(q)[:, :2, 3] - points).max())
@@ -41,7 +41,7 @@ def figure_3_16() -> Section:
                 f"θ{j} at {found.percent[shown]:.2f} %: region, value [rad]",
                 None,
                 "{:.4f}-{:.4f}, {:.4f}".format(
-                    *(float(bound[shown]) for bound in found.bounds(j)), q[shown, j - 1]
+                    *(float(bound[shown]) for bound in found.bounds(j - 1)), q[shown, j - 1]
                 ),
             )
             for j in (1, 2, 3)
@@ -49,12 +49,10 @@ def figure_3_16() -> Section:
     ]
     figure = Figure(figsize=(9, 8), layout="constrained")
     rows = figure.subplots(3, 1, sharex=True)
-    for joint, axes in enumerate(rows, start=1):
+    for joint, axes in enumerate(rows):
         plot_region(axes, found, joint, arm)
-        axes.plot(found.percent, q[:, joint - 1], "k-", lw=1.5, label="at the middle of θ1")
-        axes.plot(
-            found.percent, middles[:, joint - 1], "k:", lw=1.2, label="middle of its own region"
-        )
+        axes.plot(found.percent, q[:, joint], "k-", lw=1.5, label="at the middle of θ1")
+        axes.plot(found.percent, middles[:, joint], "k:", lw=1.2, label="middle of its own region")
         axes.axvline(SHOWN, color="0.5", lw=0.8)
     rows[1].legend(loc="best", fontsize=9)
     rows[-1].set_xlabel("share of trajectory A [%]")

@@ -64,8 +64,8 @@ class Region:
     """Intervals of each point, of each joint."""
 
     def bounds(self, joint: int) -> tuple[Array, Array]:
-        """Lower and upper bound (N,) of a joint (from 1) [rad], NaN where infeasible."""
-        found = [at[joint - 1] for at in self.intervals]
+        """Lower and upper bound (N,) of a joint (from 0) [rad], NaN where infeasible."""
+        found = [at[joint] for at in self.intervals]
         lower = np.array([parts[0].lower if parts else np.nan for parts in found])
         return lower, np.array([parts[-1].upper if parts else np.nan for parts in found])
 
@@ -80,7 +80,7 @@ def region(trajectory: Trajectory) -> Region:
     percent = np.linspace(0.0, 100.0, SAMPLES)
     tracer = SelfMotionTracer(load_arm(ARM), "xy")
     motions = [tracer.trace(point) for point in trajectory.at(percent)]
-    intervals = [[motion.intervals(joint) for joint in (1, 2, 3)] for motion in motions]
+    intervals = [[motion.intervals(joint) for joint in range(3)] for motion in motions]
     return Region(trajectory, percent, intervals)
 
 
@@ -89,7 +89,7 @@ def plot_region(axes: Axes, found: Region, joint: int, arm: DhArm) -> None:
     lower, upper = found.bounds(joint)
     axes.fill_between(found.percent, lower, upper, color="0.8")
     for side, bound in (("lower_end", lower), ("upper_end", upper)):
-        ends = [getattr(at[joint - 1][0], side) if at[0] else "" for at in found.intervals]
+        ends = [getattr(at[joint][0], side) if at[0] else "" for at in found.intervals]
         for name, colour in COLOURS.items():
             chosen = [end.startswith(name) for end in ends]
             axes.plot(found.percent, np.where(chosen, bound, np.nan), ".", color=colour, ms=3)
@@ -102,9 +102,9 @@ def plot_region(axes: Axes, found: Region, joint: int, arm: DhArm) -> None:
         color="0.45",
         transform=axes.get_xaxis_transform(),
     )
-    for limit in (arm.lower[joint - 1], arm.upper[joint - 1]):
+    for limit in (arm.lower[joint], arm.upper[joint]):
         axes.axhline(limit, color="black", ls="--", lw=0.8)
-    axes.set_ylabel(f"θ{joint} [rad]")
+    axes.set_ylabel(f"θ{joint + 1} [rad]")
     axes.grid(alpha=0.3)
 
 
@@ -113,7 +113,7 @@ def plot_regions(found: Region) -> Figure:
     arm = load_arm(ARM)
     figure = Figure(figsize=(9, 8), layout="constrained")
     rows = figure.subplots(3, 1, sharex=True)
-    for joint, axes in enumerate(rows, start=1):
+    for joint, axes in enumerate(rows):
         plot_region(axes, found, joint, arm)
     rows[-1].set_xlabel(f"share of trajectory {found.trajectory.name} [%]")
     handles = [

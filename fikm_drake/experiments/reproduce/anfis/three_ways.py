@@ -64,7 +64,7 @@ def algorithm_1() -> Section:
         label = f"algorithm 1, corrected, u = ({direction}), {count} x {step:g}"
         cells += _cells(label, np.sort(walked), exact, time.process_time() - began)
     began = time.process_time()
-    traced = [tracer.trace(point).intervals(1) for point in points]
+    traced = [tracer.trace(point).intervals(0) for point in points]
     spent = time.process_time() - began
     bounds = np.array([(parts[0].lower, parts[-1].upper) for parts in traced])
     cells += _cells("traced", bounds, exact, spent, claim=1e-9)
