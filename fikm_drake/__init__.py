@@ -87,8 +87,8 @@ from fikm_drake.simulation.scenario import (
     load_scenario,
 )
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
-from fikm_drake.simulation.sweep import Grid, Sweep, SweepRow, load_grid, sweep
-from fikm_drake.simulation.teleop import Teleop
+from fikm_drake.simulation.sweep_runs import Grid, Sweep, SweepRow, load_grid, sweep
+from fikm_drake.simulation.teleoperation import Teleop
 from fikm_drake.simulation.tracking_metrics import TrackingMetrics
 from fikm_drake.simulation.write_html import write_html
 from fikm_drake.solvers import labvolt

@@ -3,7 +3,7 @@
 import argparse
 
 from fikm_drake.cli.shared import FAILED, OK, positive_count, progress
-from fikm_drake.experiments.fuzz.fuzz import fuzz
+from fikm_drake.experiments.fuzz.fuzz_cases import fuzz
 
 
 def add_fuzz(commands: "argparse._SubParsersAction") -> None:

@@ -12,7 +12,7 @@ from fikm_drake.cli.shared import FAILED, OK, positive_count, print_json, progre
 from fikm_drake.simulation.compare import compare
 from fikm_drake.simulation.plot_sweep import plot_sweep
 from fikm_drake.simulation.run_log import RunLog
-from fikm_drake.simulation.sweep import load_grid, sweep
+from fikm_drake.simulation.sweep_runs import load_grid, sweep
 
 
 def add_sweep(commands: "argparse._SubParsersAction") -> None:

@@ -4,7 +4,7 @@ import argparse
 import sys
 
 from fikm_drake.cli.shared import OK
-from fikm_drake.simulation.teleop import Teleop
+from fikm_drake.simulation.teleoperation import Teleop
 
 
 def add_teleop(commands: "argparse._SubParsersAction") -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fikm_drake.files import new_figure, save_figure
-from fikm_drake.simulation.sweep import Sweep
+from fikm_drake.simulation.sweep_runs import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,7 +15,7 @@ from fikm_drake.checks import (
     check_positive,
     check_positive_finite,
 )
-from fikm_drake.control.follow import follow
+from fikm_drake.control.follower import follow
 from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.start import declare_start, mark_placed
 

@@ -6,7 +6,7 @@ import pytest
 import fikm_drake as fd
 from fikm_drake.cli import main
 from fikm_drake.experiments.fuzz import controller_fuzz
-from fikm_drake.experiments.fuzz.fuzz import KINDS, fuzz
+from fikm_drake.experiments.fuzz.fuzz_cases import KINDS, fuzz
 from fikm_drake.experiments.fuzz.random_arm import MOST_JOINTS, random_arm
 from fikm_drake.kinematics.tasks import make_task
 

@@ -20,9 +20,9 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.labvolt.fuzzy_starts import initial_guess
 from fikm_drake.solvers.labvolt.geometry import MODEL, labvolt
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.solve import solve
-from fikm_drake.solvers.labvolt.targets import random_targets
 from fikm_drake.systems.labvolt_ik import LabVoltIk
 
 REACHED = 1e-6

@@ -4,7 +4,7 @@ A scenario names a robot, a controller, a target over time, a plant, a sensor an
 enter: descriptions that Drake's typed YAML loads, and how they become systems; no arithmetic of control.
 """
 
-from fikm_drake.simulation.scenario.build import BuiltScenario, build_scenario
+from fikm_drake.simulation.scenario.build_scenario import BuiltScenario, build_scenario
 from fikm_drake.simulation.scenario.controllers import Frmrc, Fuzzy, SupervisedDrake
 from fikm_drake.simulation.scenario.environment import (
     Kinematic,

@@ -21,9 +21,9 @@ from fikm_drake.solvers.labvolt.geometry import (
     to_servo_counts,
 )
 from fikm_drake.solvers.labvolt.methods import METHODS
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import solve
-from fikm_drake.solvers.labvolt.targets import random_targets
 
 __all__ = [
     "METHODS",

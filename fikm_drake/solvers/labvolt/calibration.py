@@ -12,8 +12,8 @@ from fikm_drake.fuzzy.memberships import Triangle
 from fikm_drake.solvers.labvolt.fuzzy_starts import POSTURE, THETA_3, FuzzyStarts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt
 from fikm_drake.solvers.labvolt.methods import theta_3_search
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
-from fikm_drake.solvers.labvolt.targets import random_targets
 
 Loss = Callable[[MamdaniSystem, float], float]
 Progress = Callable[[float], None]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.fuzzy.mamdani import MamdaniSystem, load_mamdani
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.targets import plane_targets
+from fikm_drake.solvers.labvolt.plane_targets import plane_targets
 
 FIRST_GUESS = float(np.deg2rad(-90.0))
 """First guess of θ_3: the paper's, where no fuzzy rules give a better one [rad]."""

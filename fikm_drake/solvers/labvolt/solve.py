@@ -14,8 +14,8 @@ from fikm_drake.solvers.labvolt.feasible_postures import widest_arc
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import Geometry, labvolt, to_absolute, to_relative
 from fikm_drake.solvers.labvolt.methods import METHODS, Goals, Ways, program
+from fikm_drake.solvers.labvolt.plane_targets import plane_targets
 from fikm_drake.solvers.labvolt.solution import LabVoltSolution, LabVoltStatus
-from fikm_drake.solvers.labvolt.targets import plane_targets
 
 TOLERANCE = 1e-9
 """Within this a target is reached [m]."""

@@ -9,7 +9,7 @@ from fikm_drake.kinematics.planar_border import border_arcs, nearest_on_border
 from fikm_drake.kinematics.planar_links import two_links
 from fikm_drake.solvers.labvolt.feasible_postures import candidates, widest_arc
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.targets import random_targets
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 
 GEOMETRY = labvolt()
 SHARES = st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3)

@@ -8,7 +8,7 @@ from fikm_drake.solvers.labvolt import calibration
 from fikm_drake.solvers.labvolt.calibration import APART, FIRST_PEAKS, calibrate
 from fikm_drake.solvers.labvolt.fuzzy_starts import FuzzyStarts, default_starts
 from fikm_drake.solvers.labvolt.geometry import labvolt
-from fikm_drake.solvers.labvolt.targets import random_targets
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 
 TABLE_2 = {
     ("small", "small"): "ddu",

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fikm_drake.solvers.labvolt.geometry import labvolt
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
-from fikm_drake.solvers.labvolt.targets import random_targets
 
 GEOMETRY = labvolt()
 LOWER, UPPER = np.array(GEOMETRY.lower), np.array(GEOMETRY.upper)

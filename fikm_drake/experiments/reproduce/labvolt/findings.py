@@ -22,10 +22,10 @@ from fikm_drake.solvers.labvolt.geometry import (
     to_absolute,
     to_servo_counts,
 )
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.solution import LabVoltStatus
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
-from fikm_drake.solvers.labvolt.targets import random_targets
 
 REACHABLE, ANYWHERE, CHECKED = 20_000, 20_000, 300
 """Targets: of postures, uniform in a square, and of those out of reach that are checked by SQP."""

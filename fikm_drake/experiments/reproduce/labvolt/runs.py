@@ -9,9 +9,9 @@ import numpy as np
 from fikm_drake.arrays import Array
 from fikm_drake.solvers.labvolt.fuzzy_starts import default_starts
 from fikm_drake.solvers.labvolt.geometry import labvolt
+from fikm_drake.solvers.labvolt.plane_targets import random_targets
 from fikm_drake.solvers.labvolt.program import LabVoltProgram
 from fikm_drake.solvers.labvolt.solve import TOLERANCE, solve
-from fikm_drake.solvers.labvolt.targets import random_targets
 
 FEW, MANY = 500, 5000
 """Targets: the paper's number, and ours."""

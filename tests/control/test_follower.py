@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fikm_drake.control.follow import follow
+from fikm_drake.control.follower import follow
 
 STEP = 1e-3
 CASES = 200

@@ -17,7 +17,7 @@ from fikm_drake.simulation.recorder import POSE_COLUMNS, RowCollector
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Fuzzy, Model, Pose, Scenario
 from fikm_drake.simulation.scenario import Path as TargetPath
-from fikm_drake.simulation.scenario.build import build_scenario
+from fikm_drake.simulation.scenario.build_scenario import build_scenario
 from fikm_drake.simulation.scenario.motion import Motion
 from fikm_drake.simulation.scenario.robots import MODEL_SUFFIXES
 
