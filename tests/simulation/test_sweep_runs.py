@@ -10,7 +10,7 @@ import pytest
 
 import fikm_drake as fd
 from fikm_drake.cli import main
-from fikm_drake.simulation import sweep as sweep_module
+from fikm_drake.simulation import sweep_runs
 
 BASE = fd.TrackingScenario(
     "planar2", [[1.5, 0.0], [1.3, 0.4]], 0.3, hold=0.2, config=fd.FuzzyIkConfig(fused=True)
@@ -60,13 +60,13 @@ class Counting(Executor):
 
 def test_a_stopped_sweep_goes_on_and_runs_nothing_twice(tmp_path, monkeypatch):
     runs = []
-    real = sweep_module.simulate
+    real = sweep_runs.simulate
 
     def counted(scenario, **options):
         runs.append(scenario)
         return real(scenario, **options)
 
-    monkeypatch.setattr(sweep_module, "simulate", counted)
+    monkeypatch.setattr(sweep_runs, "simulate", counted)
 
     def stop_after_two(fraction):
         if fraction >= 0.5:
@@ -90,14 +90,14 @@ def test_a_stopped_sweep_goes_on_and_runs_nothing_twice(tmp_path, monkeypatch):
 
 
 def test_a_run_that_fails_is_a_row_and_the_others_go_on(monkeypatch):
-    real = sweep_module.simulate
+    real = sweep_runs.simulate
 
     def failing(scenario, **options):
         if scenario.control_rate == 50.0:
             raise ValueError("the arm is away")
         return real(scenario, **options)
 
-    monkeypatch.setattr(sweep_module, "simulate", failing)
+    monkeypatch.setattr(sweep_runs, "simulate", failing)
     table = fd.sweep(GRID)
     assert [bool(row.error) for row in table.rows] == [True, True, False, False]
     assert "the arm is away" in str(table)
