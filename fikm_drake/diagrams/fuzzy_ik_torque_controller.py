@@ -241,11 +241,12 @@ def AddFuzzyIkTorqueController(
     context: Context | None = None,
     bandwidth: float = BANDWIDTH,
     acceleration_limits: float = ACCELERATION_LIMIT,
+    estimated_state: OutputPort | None = None,
     name: str = "fuzzy_ik_torque_controller",
 ) -> FuzzyIkTorqueController:
     """Add a controller for `plant`, which is in `builder`, connect the two, and return it.
 
-    Its desired position or pose is left to connect. The actuation goes to the plant's port for all
+    The state is the plant's, or what `estimated_state` measures of it. Its desired position or pose is left to connect. The actuation goes to the plant's port for all
     actuators, or to that of the joints' model instance where another controller has that one: Drake
     adds up what comes to both. See `FuzzyIkTorqueController` for all else.
 
@@ -267,7 +268,8 @@ def AddFuzzyIkTorqueController(
             acceleration_limits=acceleration_limits,
         ),
     )
-    builder.Connect(plant.get_state_output_port(), controller.GetInputPort("estimated_state"))
+    state = estimated_state or plant.get_state_output_port()
+    builder.Connect(state, controller.GetInputPort("estimated_state"))
     _connect_actuation(builder, plant, controller)
     return controller
 

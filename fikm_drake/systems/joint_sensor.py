@@ -29,7 +29,7 @@ class JointSensor(LeafSystem):
         num_joints: n.
         period: between samples [s].
         delay: until a sample arrives, rounded to whole periods [s].
-        noise: standard deviation of each joint's samples [rad or m].
+        noise: standard deviation of each joint's samples, one number or (n,) [rad or m].
         seed: of the noise.
 
     Raises:
@@ -42,14 +42,16 @@ class JointSensor(LeafSystem):
         *,
         period: float,
         delay: float = 0.0,
-        noise: float = 0.0,
+        noise: ArrayLike = 0.0,
         seed: int = 0,
     ) -> None:
         super().__init__()
         check_counts(num_joints=num_joints)
         check_counts(least=0, seed=seed)
         self._n, self._period, self._seed = num_joints, check_period(period), int(seed)
-        self._noise = check_not_negative("noise", noise)
+        self._noise = np.broadcast_to(np.array(noise, dtype=float), num_joints)
+        for value in np.unique(self._noise):
+            check_not_negative("noise", float(value))
         self._late = round(check_not_negative("delay", delay) / self._period)
         self._position = self.DeclareVectorInputPort("position", num_joints).Eval
         self.DeclareDiscreteState((self._late + 1) * num_joints)
@@ -77,7 +79,7 @@ class JointSensor(LeafSystem):
 
     def _update(self, context: Context, state: State) -> None:
         sample = self._position(context)
-        if self._noise:
+        if self._noise.any():
             number = round(context.get_time() / self._period)
             random = np.random.default_rng([self._seed, number])
             sample = sample + self._noise * random.standard_normal(self._n)

@@ -58,6 +58,57 @@ def test_torque_and_velocity_are_those_of_the_plant():
     np.testing.assert_allclose(log.velocity[5:-1], middle[4:], atol=0.06)  # of 0.5 rad/s
 
 
+def measured(**options):
+    sensor = fd.scenario.Sensor(**options)
+    seed = 3 if sensor.noise or sensor.speed_noise else 0
+    return SCENARIO.but(sensor=sensor, seed=seed)
+
+
+def test_inverse_dynamics_and_ik_get_what_the_sensor_measures():
+    """Noise shakes the torques, repeatably, and the tool a little; what is late makes them swing."""
+    exact = fd.simulate(SCENARIO)
+    clean = fd.simulate(measured(rate=1000.0))  # a step of the plant late, as told in Sensor
+    noisy, again = (fd.simulate(measured(noise=3e-4, speed_noise=0.01)) for _ in range(2))
+    np.testing.assert_array_equal(noisy.q, again.q)
+    np.testing.assert_array_equal(noisy.q[0], SCENARIO.start())
+    late = fd.simulate(measured(delay=3e-3))
+    apart = [np.abs(log.q - exact.q).max() for log in (clean, late)]
+    assert 0.0 < apart[0] < 1e-3 < apart[1] < 0.01
+    shaken = [np.abs(np.diff(log.torque[-15:], axis=0)).max() for log in (exact, noisy)]
+    assert shaken[1] > 10.0 * shaken[0]
+    assert noisy.metrics().e_max == pytest.approx(exact.metrics().e_max, rel=0.1)
+
+
+def test_noise_in_the_speeds_alone_is_used():
+    quiet = fd.simulate(measured(rate=1000.0))
+    noisy = fd.simulate(measured(rate=1000.0, speed_noise=0.01))
+    assert 1e-6 < np.abs(noisy.q - quiet.q).max() < 0.01
+
+
+@pytest.mark.parametrize(
+    "changes, words",
+    [
+        ({"delay": 6e-3}, ["late by 7.5 ms", "bandwidth 100", "unstable from 6.47 ms"]),
+        ({"rate": 80.0}, ["late by 7.25 ms", "unstable"]),
+        ({"speed_noise": -1.0}, ["speed_noise", "-1"]),
+    ],
+)
+def test_a_sensor_that_makes_the_inner_loop_unstable_is_refused(changes, words):
+    with pytest.raises(ValueError) as error:
+        measured(**changes)
+    for word in words:
+        assert word in str(error.value)
+    measured(delay=2e-3).but(plant=fd.scenario.TorqueDriven(bandwidth=50.0))
+
+
+def test_speed_noise_without_torques_is_not_used():
+    config = replace(SCENARIO.controller_config(), measured_position=True)
+    with pytest.raises(ValueError, match="speed_noise is not used"):
+        SCENARIO.with_config(config).but(
+            plant="kinematic", sensor=fd.scenario.Sensor(speed_noise=0.1), seed=1
+        )
+
+
 @pytest.mark.parametrize("bandwidth", [0.0, -1.0, np.nan, np.inf])
 def test_bad_bandwidth_is_named(bandwidth):
     with pytest.raises(ValueError, match="bandwidth must be positive and finite"):

@@ -21,10 +21,17 @@ from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.laws.law import LawLike
-from fikm_drake.simulation.scenario.environment import Kinematic, Servos, SimIiwa, TorqueDriven
+from fikm_drake.simulation.scenario.environment import (
+    Kinematic,
+    Sensor,
+    Servos,
+    SimIiwa,
+    TorqueDriven,
+)
 from fikm_drake.simulation.scenario.motion import Motion
 from fikm_drake.simulation.scenario.robots import Robot
 from fikm_drake.simulation.scenario.schema import Scenario
+from fikm_drake.simulation.scenario.sensors import add_joint_sensor, add_state_sensor
 from fikm_drake.simulation.scenario.site import Site, Wired
 from fikm_drake.simulation.scenario.surroundings import Surroundings, add_world
 from fikm_drake.systems.joint_sensor import JointSensor
@@ -62,12 +69,15 @@ class BuiltScenario:
         """Put controller, plant and sensor where the scenario starts."""
         start = self.scenario.start()
         self.wired.set_start(root, start)
-        if self.sensor is not None:
-            self.sensor.SetPositions(self.sensor.GetMyMutableContextFromRoot(root), start)
+        measured = start
         if not self.is_kinematic:
             context = self.plant.GetMyMutableContextFromRoot(root)
             q = self.chain.to_full(start, self.plant.GetPositions(context))
             self.plant.SetPositions(context, q)
+            if isinstance(self.scenario.plant_options(), TorqueDriven):
+                measured = self.plant.GetPositionsAndVelocities(context)
+        if self.sensor is not None:
+            self.sensor.SetPositions(self.sensor.GetMyMutableContextFromRoot(root), measured)
 
     def positions(self, root: Context) -> Array:
         """Joint positions (n,) of the robot [rad or m]."""
@@ -125,6 +135,9 @@ def build_scenario(
     rest = plant.GetPositions(plant.CreateDefaultContext())
     motion, start = scenario.target_motion(), scenario.start()
     surroundings = Surroundings.of(scenario, robot, chain)
+    sensor = None
+    if isinstance(option, TorqueDriven) and scenario.sensor != Sensor():
+        sensor = add_state_sensor(builder, scenario, option, plant, chain)
     site = Site(
         builder,
         robot,
@@ -134,6 +147,7 @@ def build_scenario(
         scenario.control_rate,
         start,
         option if isinstance(option, TorqueDriven) else None,
+        sensor and sensor.get_output_port(),
         surroundings.checker if surroundings and scenario.avoids else None,
         scenario.clearance,
     )
@@ -151,7 +165,7 @@ def build_scenario(
         builder.Connect(poses.get_output_port(), scene_graph.get_source_pose_port(source))
     elif isinstance(option, (Servos, SimIiwa)):
         model = _drive(builder, option, plant, chain, robot, wired.command)
-    sensor = _sensor(builder, scenario, plant, chain, wired)
+    sensor = sensor or add_joint_sensor(builder, scenario, plant, chain, wired)
     if meshcat is not None:
         MeshcatVisualizer.AddToBuilder(builder, scene_graph, meshcat)
     diagram = builder.Build()
@@ -271,36 +285,3 @@ def robot_body(plant: MultibodyPlant, frame: str) -> BodyIndex:
     if instance:
         return plant.GetFrameByName(name, plant.GetModelInstanceByName(instance)).body().index()
     return plant.GetFrameByName(name).body().index()
-
-
-def _sensor(
-    builder: DiagramBuilder,
-    scenario: Scenario,
-    plant: MultibodyPlant,
-    chain: SerialChain,
-    wired: Wired,
-) -> JointSensor | None:
-    """What the controller measures; None where it does not."""
-    if wired.measured is None:
-        return None
-    option = scenario.sensor
-    sensor = builder.AddNamedSystem(
-        "sensor",
-        JointSensor(
-            chain.num_joints,
-            period=1.0 / (option.rate or scenario.control_rate),
-            delay=option.delay,
-            noise=option.noise,
-            seed=scenario.seed,
-        ),
-    )
-    if isinstance(scenario.plant_options(), Kinematic):
-        builder.Connect(wired.command, sensor.get_input_port())
-    else:
-        pick = np.zeros((chain.num_joints, plant.num_positions() + plant.num_velocities()))
-        pick[np.arange(chain.num_joints), chain.position_indices] = 1.0
-        gain = builder.AddNamedSystem("measured_joints", MatrixGain(pick))
-        builder.Connect(plant.get_state_output_port(), gain.get_input_port())
-        builder.Connect(gain.get_output_port(), sensor.get_input_port())
-    builder.Connect(sensor.get_output_port(), wired.measured)
-    return sensor

@@ -98,6 +98,7 @@ class Fuzzy:
                 joints=site.robot.joints,
                 bandwidth=site.torque.bandwidth,
                 acceleration_limits=site.torque.acceleration_limit,
+                estimated_state=site.state,
                 name="controller",
             )
         port = system.GetOutputPort

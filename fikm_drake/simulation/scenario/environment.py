@@ -95,24 +95,57 @@ PLANTS = {
 """Plants by name, with their defaults; in YAML also by a tag, `plant: !TorqueDriven {bandwidth: 80}`."""
 
 
+DELAY_MARGIN = 0.647
+"""Delay times bandwidth at which the critically damped inner loop becomes unstable: with L(s) =
+ω (2 s + ω) / s² its phase margin is 1.332 rad at the frequency 2.058 ω [-]."""
+
+
 @dataclass
 class Sensor:
-    """How the joints are measured, for a controller that takes the measured position.
+    """How the joints are measured, for a controller that takes what is measured.
+
+    With the plant `torque_driven` it measures position and speed of all joints, for the inverse dynamics and
+    the IK before it; a sample then acts one step of the plant after it was taken, at the earliest.
 
     Attributes:
         noise: standard deviation of each sample of each joint [rad or m].
         delay: age of a sample when it arrives [s], in whole samples.
-        rate: samples a second [Hz]; 0: as often as the controller's cycles.
+        rate: samples a second [Hz]; 0: as often as the controller's cycles, with torques as often as the
+            plant's steps.
+        speed_noise: of each sample of each joint's speed, with torques [rad/s or m/s].
     """
 
     noise: float = 0.0
     delay: float = 0.0
     rate: float = 0.0
+    speed_noise: float = 0.0
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value."""
-        for name in ("noise", "delay", "rate"):
+        for name in ("noise", "delay", "rate", "speed_noise"):
             check_not_negative(name, getattr(self, name))
+
+    def check_use(self, plant: object, *, measures: bool) -> None:
+        """ValueError where it is not used with a plant and a controller, or makes the loop unstable."""
+        if self == Sensor():
+            return
+        if not isinstance(plant, TorqueDriven):
+            if not measures:
+                raise ValueError(
+                    "sensor is not used: it needs the controller's config.measured_position, or the plant "
+                    "torque_driven"
+                )
+            if self.speed_noise:
+                raise ValueError("sensor.speed_noise is not used: the plant is not torque_driven")
+            return
+        held = 0.5 / self.rate if self.rate else 0.5 * plant.time_step
+        late = self.delay + plant.time_step + held
+        if late * plant.bandwidth >= DELAY_MARGIN:
+            raise ValueError(
+                f"sensor is late by {1000 * late:g} ms, delay, half a sample and a step of the plant: the "
+                f"inner loop of bandwidth {plant.bandwidth:g} rad/s is unstable from "
+                f"{1000 * DELAY_MARGIN / plant.bandwidth:.3g} ms; lower plant.bandwidth or measure sooner"
+            )
 
 
 @dataclass

@@ -25,7 +25,6 @@ from fikm_drake.simulation.scenario.environment import (
     Obstacle,
     Plant,
     Sensor,
-    TorqueDriven,
 )
 from fikm_drake.simulation.scenario.motion import Motion
 from fikm_drake.simulation.scenario.robots import Model, Robot, RobotLike
@@ -54,7 +53,7 @@ class Scenario:
             without a tag those of `Fuzzy`.
         target: a `Path`, `!Circle`, `!Csv` or `!Samples`; in Python any Trajectory of Drake's too.
         plant: `kinematic`, `torque_driven`, `servos`, `sim_iiwa`, or its options.
-        sensor: how the joints are measured; for controllers with `measured_position` only.
+        sensor: how the joints are measured; for controllers with `measured_position`, or torques.
         obstacles: bodies that stand about the robot; the log tells the clearance.
         avoid: whether the controller keeps clear of what stands about it; `labvolt`, `redundancy` and
             `integer` cannot.
@@ -114,12 +113,8 @@ class Scenario:
         self._validate_obstacles(controller)
         if isinstance(controller, Fuzzy):
             controller.settled(self.target_motion().size, self.control_rate)
-        if self.sensor != Sensor() and (not controller.measures or isinstance(plant, TorqueDriven)):
-            raise ValueError(
-                "sensor is not used: it needs the controller's config.measured_position, and a plant "
-                "that is not torque_driven"
-            )
-        if self.seed and not self.sensor.noise:
+        self.sensor.check_use(plant, measures=controller.measures)
+        if self.seed and not (self.sensor.noise or self.sensor.speed_noise):
             raise ValueError(f"seed {self.seed} is not used: sensor.noise is 0")
         if self.num_cycles < 1:
             raise ValueError(

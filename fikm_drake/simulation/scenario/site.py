@@ -34,6 +34,8 @@ class Site:
     """Joint positions at the start (n,) [rad or m]."""
     torque: TorqueDriven | None
     """How torques move the plant, where they do."""
+    state: OutputPort | None = None
+    """The measured state of the plant; None: it is as it is."""
     checker: CollisionChecker | None = None
     """What the controller keeps clear of."""
     clearance: ClearanceConfig | None = None
