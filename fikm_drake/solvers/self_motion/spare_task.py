@@ -1,7 +1,6 @@
 """The equations of a task that leaves one degree of freedom to spare."""
 
 import warnings
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,25 +86,18 @@ class SpareTask:
         self._world = plant.world_frame()
         self._context = plant.CreateDefaultContext()
 
-    def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: the arm in place of Drake's plant, which cannot be."""
-        state = {k: v for k, v in vars(self).items() if k not in ("_plant", "_frame", "_world")}
-        del state["_context"]
-        if isinstance(self._source, MultibodyPlant):
-            chain = SerialChain.from_plant(self._source, self._frame_name)
-            indices = chain.position_indices
+    def __reduce__(self) -> tuple:
+        """Pickled as its arguments, with the arm's chain in place of a plant of Drake's."""
+        source = self._source
+        if isinstance(source, MultibodyPlant):
+            source = SerialChain.from_plant(source, self._frame_name)
+            indices = source.position_indices
             if indices is None or not np.array_equal(indices, np.arange(self.num_joints)):
                 raise TypeError(
                     "an arm of a plant with other joints cannot be pickled: take the arm's "
                     "SerialChain.from_plant in place of the plant"
                 )
-            state["_source"] = chain
-        return state
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """The same from its pickle."""
-        vars(self).update(state)
-        self._connect(state["_source"], state["_frame_name"])
+        return SpareTask, (source, self.task, self._frame_name)
 
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
