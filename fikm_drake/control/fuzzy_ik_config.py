@@ -144,6 +144,27 @@ class FuzzyIkConfig:
             ),
         )
 
+    def for_tracking(self) -> "FuzzyIkConfig":
+        """This config for targets that move fast and smoothly inside the reach: hardly any lag.
+
+        The law is `FuzzyMapping` with as many iterations as any task has rows, so that no direction is
+        slow; the gain is 1, there are no filters. Calm, limits and the nudge stay. The default lags
+        behind, but passes on less of a target's noise and moves less along a path out of reach:
+        `fikm-drake reproduce fikm --only default` shows both.
+
+        Example:
+            >>> import fikm_drake as fd
+            >>> fd.FuzzyIkConfig(task="pose").for_tracking().law.iterations
+            6
+        """
+        return dataclasses.replace(
+            self,
+            law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+            gain_smoothing=0.0,
+            error_smoothing=0.0,
+            supervisor=dataclasses.replace(self.supervisor, gains=[1.0] * 3),
+        )
+
     @property
     def period(self) -> float:
         """Period of the control cycle [s]."""

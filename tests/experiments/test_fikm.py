@@ -10,6 +10,7 @@ from fikm_drake.experiments.reproduce.fikm import (
     EXPERIMENTS,
     ablation,
     costs,
+    default_config,
     lost_numbers,
     paths,
     random_curves,
@@ -22,7 +23,8 @@ past_paper = importlib.import_module("fikm_drake.experiments.reproduce.fikm.past
 def small(monkeypatch):
     """The same claims on fewer curves and rounds."""
     monkeypatch.setattr(random_curves, "CURVES", 8)
-    monkeypatch.setattr(random_curves, "DEFAULT_CURVES", 1)
+    monkeypatch.setattr(default_config, "POSTURES", 3)
+    monkeypatch.setattr(default_config, "CIRCLES", {"planar4": default_config.CIRCLES["planar4"]})
     monkeypatch.setattr(costs, "ROUNDS", 2)
     monkeypatch.setattr(past_paper, "SECONDS", (2,))
     monkeypatch.setattr(past_paper, "POSES", 2)

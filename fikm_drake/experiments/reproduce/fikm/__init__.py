@@ -3,6 +3,7 @@
 from fikm_drake.experiments.reproduce.fikm.ablation import ablation
 from fikm_drake.experiments.reproduce.fikm.claims import claims
 from fikm_drake.experiments.reproduce.fikm.costs import direct, table_7, times
+from fikm_drake.experiments.reproduce.fikm.default_config import default
 from fikm_drake.experiments.reproduce.fikm.lost_numbers import readings
 from fikm_drake.experiments.reproduce.fikm.past import past, supervise, torque
 from fikm_drake.experiments.reproduce.fikm.random_curves import spread
@@ -31,6 +32,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "table 6": table_6,
     "readings": readings,
     "spread": spread,
+    "default": default,
     "direct": direct,
     "ablation": ablation,
     "past": past,

@@ -2,6 +2,7 @@
 
 from fikm_drake.experiments.reproduce.integer.errors import arms, errors, integers, order
 from fikm_drake.experiments.reproduce.integer.microcontroller import mcu
+from fikm_drake.experiments.reproduce.integer.open_choices import readings
 from fikm_drake.experiments.reproduce.integer.table_1 import figure_4, table_1
 from fikm_drake.experiments.reproduce.integer.table_2 import export, table_2
 from fikm_drake.experiments.reproduce.integer.traces import figure_7, figure_9, figure_11
@@ -15,6 +16,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 11": figure_11,
     "table 2": table_2,
     "mcu": mcu,
+    "readings": readings,
     "errors": errors,
     "order": order,
     "integers": integers,
