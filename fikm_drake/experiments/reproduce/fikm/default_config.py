@@ -88,8 +88,8 @@ def default() -> Section:
             cells.append(Cell(f"{arm}, {name}", None, text, calmer if name == usual else None))
     notes = [
         f"First a target that stands but for noise of {1e3 * NOISE:g} mm: the tool's motion over the noise,",
-        f"and the joints' acceleration [rad/s²], rms, median of {POSTURES} postures; then the last second of a",
-        "circle out of reach: largest joint step, change of the step a cycle [rad].",
+        f"and the joints' acceleration [rad/s²], rms, median of {POSTURES} postures; then the last second",
+        "of a circle out of reach: largest joint step, change of the step a cycle [rad].",
         "Claimed: the default accelerates less, and changes its step less out of reach, than the last.",
         "That is why it stays: the paper's gain and filters are made for targets that are noisy, jump or",
         "cannot be reached; `for_tracking()` is for those that move smoothly inside the reach.",

@@ -1,10 +1,10 @@
 """Paper 5: what it leaves open, each read in more than one way, and what each reading gives."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.integer.errors import workplane_errors
@@ -57,15 +57,17 @@ class Choice:
 
     def rules(self, inverse: TiltedPlaneInverse) -> IntegerRuleBase:
         """Its nine rules."""
-        parts = []
-        for end in inverse.workplane.size:
-            edge = round(self.inset * end)
-            parts.append(IntegerPartition([edge, round(end / 2), round(end) - edge]))
-        peaks = np.stack(np.meshgrid(*(part.knots for part in parts), indexing="ij"), axis=-1)
+        first, second = (self._peaks(end) for end in inverse.workplane.size)
+        peaks = np.stack(np.meshgrid(first.knots, second.knots, indexing="ij"), axis=-1)
         steps = np.rint(np.rad2deg(inverse(peaks)) / self.resolution).astype(np.int64)
         if self.shared:
             steps = shared_singletons(steps)
-        return IntegerRuleBase(*parts, steps, rounding=self.rounding)
+        return IntegerRuleBase(first, second, steps, rounding=self.rounding)
+
+    def _peaks(self, end: int) -> IntegerPartition:
+        """Three labels over 0 to `end` [mm]."""
+        edge = round(self.inset * end)
+        return IntegerPartition([edge, round(end / 2), end - edge])
 
 
 READINGS: dict[str, dict[str, Choice]] = {
@@ -98,8 +100,8 @@ CIRCLES = (50, 100, 150)
 """Radii of figure 9's circle, which the paper does not give [mm]."""
 
 
-def errors(choice: Choice, points: Callable[[], Array] | None = None) -> tuple[int, Array]:
-    """How many labels agree with Table 1 in order, and the tool's error at points (…) [mm]."""
+def errors(choice: Choice, points: NDArray[np.int64] | None = None) -> tuple[int, Array]:
+    """How many labels agree with Table 1 in order, and the tool's error at points (…,2), (…) [mm]."""
     inverse = choice.inverse()
     rules = choice.rules(inverse)
     agree = 0
@@ -108,7 +110,7 @@ def errors(choice: Choice, points: Callable[[], Array] | None = None) -> tuple[i
         agree += sum(
             a == b for ours, text in zip(found, paper) for a, b in zip(ours.split(), text.split())
         )
-    where = inverse.workplane.grid(2) if points is None else points()
+    where = inverse.workplane.grid(2) if points is None else points
     steps, _ = rules.infer_batch(where[..., 0], where[..., 1])
     return agree, workplane_errors(inverse, where, np.deg2rad(choice.resolution * steps))[0]
 
@@ -129,7 +131,7 @@ def readings() -> Section:
         angle = np.deg2rad(np.arange(361))
         ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         points = np.rint(ring + np.array(FIGURE_9)).astype(np.int64)
-        _, distance = errors(Choice(), lambda: points)  # noqa: B023 - used at once
+        _, distance = errors(Choice(), points)
         label = f"figure 9: circle of {radius} mm: error, max / mean [mm]"
         cells.append(Cell(label, None, f"{distance.max():.1f} / {distance.mean():.1f}"))
     notes = [
