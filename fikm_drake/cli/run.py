@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +15,9 @@ from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
 from fikm_drake.simulation.simulate import SimulationStopped, simulate
 from fikm_drake.simulation.write_html import write_html
+
+PATIENCE = 30.0
+"""A run with --meshcat begins after this time though nobody watches [s]."""
 
 
 def add_run(commands: "argparse._SubParsersAction") -> None:
@@ -78,11 +82,19 @@ def _changed(scenario: Scenario, changes: list[str]) -> Scenario:
 
 
 def _meshcat(wanted: bool) -> Meshcat | None:
-    """A page in the browser, its address told; None where none is wanted."""
+    """A page in the browser, its address told; None where none is wanted.
+
+    A person at a terminal has `PATIENCE` to open it before the run begins.
+    """
     if not wanted:
         return None
     meshcat = Meshcat()
     print(f"open {meshcat.web_url()}", file=sys.stderr, flush=True)
+    if sys.stdin.isatty():
+        print("the run begins when the page is open", file=sys.stderr, flush=True)
+        end = time.monotonic() + PATIENCE
+        while not meshcat.GetNumActiveConnections() and time.monotonic() < end:
+            time.sleep(0.05)
     return meshcat
 
 

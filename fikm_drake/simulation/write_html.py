@@ -95,14 +95,15 @@ def _plots(log: RunLog) -> list[dict]:
     if error.shape[1] == 6:
         turn = np.rad2deg(np.linalg.norm(error[:, :3], axis=1))
         plots.append(_plot("turned off [°]", turn[:, None], zero=True))
+    turns = all(label.endswith("_rad") for label in log.info.columns["q"])
     if "gain" in log:
         plots.append(_plot("gain K [-]", log["gain"], zero=True))
     if "clearance" in log:
         plots.append(_plot("clearance [mm]", 1000 * log["clearance"], zero=True))
     if "torque" in log:
-        plots.append(_plot("torques [N m or N]", log.torque))
+        plots.append(_plot(f"torques [{'N m' if turns else 'N m or N'}]", log.torque))
     names = [f"q{i}" for i in range(1, log.q.shape[1] + 1)]
-    plots.append(_plot("joints [rad or m]", log.q, names=names))
+    plots.append(_plot(f"joints [{'rad' if turns else 'rad or m'}]", log.q, names=names))
     return plots
 
 

@@ -94,7 +94,7 @@ def test_page_has_title_curves_and_status_of_the_log(spatial_log, tmp_path):
     plots = {plot["label"]: plot["series"] for plot in run["plots"]}
     error = 1000 * np.linalg.norm(spatial_log.error_after, axis=1)
     np.testing.assert_allclose(plots["error [mm]"][0], error, rtol=1e-5)
-    np.testing.assert_allclose(plots["joints [rad or m]"], spatial_log.q.T, rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(plots["joints [rad]"], spatial_log.q.T, rtol=1e-5, atol=1e-9)
     names = spatial_log.status_names
     for name, start, end in run["status"]:
         inside = (spatial_log.time >= start) & (spatial_log.time < end)
