@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fikm_drake.experiments.benchmarks import self_motion_benchmark
-from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, three_ways
+from fikm_drake.experiments.reproduce.anfis import EXPERIMENTS, open_choices, three_ways
 from fikm_drake.experiments.reproduce.anfis.region import A, B, C, stretches
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.simulation.scenario import load_scenario
@@ -81,3 +81,22 @@ def test_the_scenarios_are_the_thesis_s_trajectories(trajectory):
     scenario = load_scenario(f"anfis_{trajectory.name.lower()}")
     percent = np.minimum(10.0 * np.arange(scenario.num_cycles) / scenario.control_rate, 100.0)
     np.testing.assert_allclose(scenario.targets(), trajectory.at(percent), atol=1e-9)
+
+
+def test_readings_of_what_the_thesis_lost(monkeypatch):
+    monkeypatch.setattr(open_choices, "EPOCHS", 2)
+    monkeypatch.setattr(open_choices, "WALK_POINTS", 3)
+    section = EXPERIMENTS["readings"]()
+    assert section.key == "readings" and list(section.pictures) == ["anfis_readings"]
+    found = {cell.label: cell.ours for cell in section.cells}
+    walks = [found[label] for label in found if label.startswith("algorithm 1")]
+    assert len(walks) == len(open_choices.WALKS) and min(walks) > 1e-3  # none finds the bounds
+    (mid,) = (found[label] for label in found if "sides" in label and "mid-range" in label)
+    assert mid.endswith("75.00-100.00")  # as the thesis's figure has it
+
+
+def test_per_cents_of_a_length_reach_corners_later_on_longer_sides():
+    corners = np.array(open_choices.B.corners)
+    assert open_choices.by_length(open_choices.B, 0.0) == pytest.approx(corners[0])
+    assert open_choices.by_length(open_choices.B, 100 * 4.5 / 11) == pytest.approx(corners[1])
+    assert open_choices.by_length(open_choices.B, 50.0) == pytest.approx(corners[2])

@@ -6,6 +6,7 @@ from fikm_drake.experiments.reproduce.anfis.feasible_regions import figure_3_6, 
 from fikm_drake.experiments.reproduce.anfis.learning import figure_4_8
 from fikm_drake.experiments.reproduce.anfis.mid_points import figure_3_16
 from fikm_drake.experiments.reproduce.anfis.minimum_norm import minimum_norm
+from fikm_drake.experiments.reproduce.anfis.open_choices import readings
 from fikm_drake.experiments.reproduce.anfis.postures import figure_3_7, figure_3_8, figure_3_12
 from fikm_drake.experiments.reproduce.anfis.seven_joints import freedom
 from fikm_drake.experiments.reproduce.anfis.structures import structures
@@ -28,6 +29,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     "figure 4.12": figure_4_12,
     "figure 4.16": figure_4_16,
     "resolution": resolution,
+    "readings": readings,
     "structures": structures,
     "no closed form": no_closed_form,
     "freedom": freedom,
