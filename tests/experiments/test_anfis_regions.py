@@ -97,6 +97,8 @@ def test_readings_of_what_the_thesis_lost(monkeypatch):
 
 def test_per_cents_of_a_length_reach_corners_later_on_longer_sides():
     corners = np.array(open_choices.B.corners)
-    assert open_choices.by_length(open_choices.B, 0.0) == pytest.approx(corners[0])
-    assert open_choices.by_length(open_choices.B, 100 * 4.5 / 11) == pytest.approx(corners[1])
-    assert open_choices.by_length(open_choices.B, 50.0) == pytest.approx(corners[2])
+    assert open_choices.by_length(open_choices.B, np.zeros(1))[0] == pytest.approx(corners[0])
+    assert open_choices.by_length(open_choices.B, np.array([100 * 4.5 / 11]))[0] == pytest.approx(
+        corners[1]
+    )
+    assert open_choices.by_length(open_choices.B, np.array([50.0]))[0] == pytest.approx(corners[2])

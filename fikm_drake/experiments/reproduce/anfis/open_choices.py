@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.reproduce.anfis.minimum_norm import ENTRY
@@ -70,7 +69,7 @@ def training_sets() -> dict[str, Array]:
     }
 
 
-def by_length(trajectory: Trajectory, percent: ArrayLike) -> Array:
+def by_length(trajectory: Trajectory, percent: Array) -> Array:
     """Points (…,2) [m] of a trajectory whose percentage is of its length, not of its sides."""
     corners = np.array(trajectory.corners)
     length = np.linalg.norm(np.diff(corners, axis=0), axis=1)
@@ -142,8 +141,8 @@ def readings() -> Section:
     learned: dict[str, tuple[float, float]] = {}
     for name, points in training_sets().items():
         anfis = Anfis((8, 8)).fit(points, exact(points)["upper"], epochs=EPOCHS)
-        error = anfis.predict(fresh_points()) - fresh_values()["upper"]
-        learned[name] = rms_and_max(error)
+        off = anfis.predict(fresh_points()) - fresh_values()["upper"]
+        learned[name] = rms_and_max(off)
         text = " / ".join(f"{1e3 * value:.1f}" for value in learned[name])
         cells.append(Cell(f"training data, {name}: upper bound, rms / max [mrad]", None, text))
     for shift in C_SHIFTS:
@@ -157,8 +156,8 @@ def readings() -> Section:
         "its sides or of its length, where the state begins on B, the points of the training data, the",
         "corners of C. Given, and not varied: the arm, A and B, 50 steps, 8 x 8 Gaussian memberships,",
         f"order 1, the hybrid rule (here {EPOCHS} epochs; 150 in figure 4.8). With 50 steps a short step",
-        "ends before the limit, whatever u, a long one a step before it. B's stretches come out, roughly, with",
-        "per cents of its sides and a state of minimum norm that starts inside the limits; postures inside",
+        "ends before the limit, whatever u, a long one a step before it. B's stretches come out, roughly,",
+        "with per cents of its sides and a state of minimum norm that starts inside the limits; postures inside",
         "them exist there. Which points are learned from, and where exactly C lies, changes little.",
     ]
     picture = {"anfis_readings": _figure(walks, learned)}
