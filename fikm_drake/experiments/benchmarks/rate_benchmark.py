@@ -20,7 +20,7 @@ from fikm_drake.laws.pseudo_inverse import PseudoInverse
 TASKS = (("kim_lee3r", "xy"), ("iiwa14", "position"), ("iiwa14", "pose"))
 CASES, STEPS = 10_000, 200
 """Jacobians in a batch, and one by one."""
-PINV = "pseudo-inverse"
+PINV, DAMPED = "pseudo-inverse", "damped least squares"
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,8 @@ class RateCost:
     """CPU time of a case in a batch, median over the rounds [µs]."""
     speedup: float
     """How many times faster than the pseudo-inverse's batch, median over the rounds [-]."""
+    over_damped: float
+    """How many times faster than the batch of damped least squares, median over the rounds [-]."""
     step: float
     """CPU time of a case alone, `law.step`, median over the rounds [µs]."""
 
@@ -48,7 +50,7 @@ def laws() -> dict[str, Law]:
         "smooth, 3 sweeps": FuzzyRateControl(sweeps=3),
         "paper": FuzzyRateControl("paper"),
         PINV: PseudoInverse(),
-        "damped least squares": DampedLeastSquares(),
+        DAMPED: DampedLeastSquares(),
     }
 
 
@@ -80,17 +82,18 @@ def rate_benchmark(
                 times[name].append((_batch_time(law, J, dr), _step_time(law, J, dr)))
             if progress:
                 progress((i * rounds + k + 1) / (len(TASKS) * rounds))
-        reference = [batch for batch, _ in times[PINV]]
+        batches = {name: np.array([batch for batch, _ in done]) for name, done in times.items()}
         costs += [
             RateCost(
                 arm,
                 task,
                 name,
-                1e6 * median(batch for batch, _ in done),
-                median(slow / batch for slow, (batch, _) in zip(reference, done)),
-                1e6 * median(step for _, step in done),
+                1e6 * float(np.median(batch)),
+                float(np.median(batches[PINV] / batch)),
+                float(np.median(batches[DAMPED] / batch)),
+                1e6 * median(step for _, step in times[name]),
             )
-            for name, done in times.items()
+            for name, batch in batches.items()
         ]
     return costs
 
@@ -101,7 +104,8 @@ def table(rounds: int, progress: Callable[[float], None]) -> BenchmarkTable:
     lines = [f"CPU time of a joint step, {CASES} Jacobians in a batch and one by one (median)"]
     lines += [
         f"  {cost.arm:9s} {cost.task:8s} {cost.law:20s} batch {cost.batch:6.3f} µs,"
-        f" {cost.speedup:5.1f} times faster than {PINV}; one by one {cost.step:5.1f} µs"
+        f" {cost.speedup:5.1f} times faster than {PINV}, {cost.over_damped:4.1f} than {DAMPED};"
+        f" one by one {cost.step:5.1f} µs"
         for cost in results
     ]
     return BenchmarkTable(lines, results)

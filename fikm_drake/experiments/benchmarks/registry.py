@@ -13,10 +13,12 @@ from fikm_drake.experiments.benchmarks import (
     hard_benchmark,
     labvolt_benchmark,
     mamdani_benchmark,
+    many_benchmark,
     obstacles_benchmark,
     pose_benchmark,
     rate_benchmark,
     self_motion_benchmark,
+    single_benchmark,
     step_benchmark,
     supervise_benchmark,
 )
@@ -68,6 +70,15 @@ BENCHMARKS = {
         "rounds",
         3,
         batch_benchmark.table,
+    ),
+    "many": Benchmark(
+        "20,000 poses of an arm at once, a million, and the kinematics alone",
+        "poses",
+        20_000,
+        many_benchmark.table,
+    ),
+    "single": Benchmark(
+        "one posture, one pose, poses at limits, the import", "rounds", 20, single_benchmark.table
     ),
     "arms": Benchmark(
         "public arms beside Drake's integrator and Pink, where installed",

@@ -10,7 +10,7 @@ enum { POSE, TOLERANCE, TURN_TOLERANCE, LENGTH, STEP, DAMPING, ERROR_DAMPING, FL
        PLANAR, PLANE, SEEN = PLANE + 4, TOOL_POINT = SEEN + 3, SLACK = TOOL_POINT + 3 };
 enum { INVALID, SOLVED, OUT_OF_REACH, NOT_SOLVED };
 
-/* Poses (count,16) and Jacobians (count,6,n) of postures (count,n); J may be NULL. */
+/* Poses (count,16) and Jacobians (count,6,n) of postures (count,n); either may be NULL. */
 void PASTE(fikm_kinematics, ISA)(const double *chain, int n, int64_t count, const double *q,
                                  double *poses, double *J) {
     vec lanes[MAX_JOINTS], columns[MAX_JOINTS][6];
@@ -21,12 +21,12 @@ void PASTE(fikm_kinematics, ISA)(const double *chain, int n, int64_t count, cons
         frames_of(chain, n, lanes, &f);
         if (J) jacobian_of(chain, n, &f, 1.0, columns);
         for (int l = 0; l < W && first + l < count; l++) {
-            double *x = poses + 16 * (first + l), *rows = J ? J + 6 * n * (first + l) : NULL;
-            for (int k = 0; k < 3; k++) {
+            double *x = poses ? poses + 16 * (first + l) : NULL, *rows = J ? J + 6 * n * (first + l) : NULL;
+            for (int k = 0; poses && k < 3; k++) {
                 for (int i = 0; i < 3; i++) x[4 * k + i] = f.R[i][k][l];
                 x[4 * k + 3] = f.p[k][l], x[12 + k] = 0.0;
             }
-            x[15] = 1.0;
+            if (poses) x[15] = 1.0;
             for (int k = 0; J && k < 6; k++)
                 for (int j = 0; j < n; j++) rows[k * n + j] = columns[j][k][l];
         }

@@ -32,8 +32,8 @@ class NativeKinematics:
 
     def jacobians(self, q: Array) -> Array:
         """(…,6,n), rows [ω; v], at `q` (…,n), contiguous."""
-        X, J = np.empty((*q.shape[:-1], 4, 4)), np.empty((*q.shape[:-1], 6, self._n))
-        self._run(self._chain, self._n, q.size // self._n, address(q), address(X), address(J))
+        J = np.empty((*q.shape[:-1], 6, self._n))
+        self._run(self._chain, self._n, q.size // self._n, address(q), None, address(J))
         return J
 
 
