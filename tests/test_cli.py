@@ -216,11 +216,31 @@ def test_all_benchmarks_as_markdown(capsys):
     chosen = ["--only", "cycle", "step", "--count", "1"]
     assert main(["benchmark", "all", "--markdown", *chosen]) == 0
     printed = capsys.readouterr().out
-    assert printed.startswith("Python 3.") and "numpy" in printed.splitlines()[0]
-    assert "`fikm-drake benchmark cycle --rounds 1`" in printed
+    assert printed.startswith("# Benchmarks\n")
+    assert re.search(r"^Python 3\.\d+\.\d+, drake .*, numpy .*; .* processors", printed, re.M)
+    assert "`fikm-drake benchmark cycle --rounds 1`; nothing is random." in printed
     assert "| rows | whole | name | microseconds | ratio |" in printed
     assert "| name | microseconds | to usual | to least |" in printed
     assert printed.count("| pseudo-inverse |") == 4
+    assert "*to usual*: " in printed  # the meaning of a column
+
+
+def test_benchmarks_as_a_page(tmp_path, capsys):
+    page = tmp_path / "page.md"
+    assert main(["benchmark", "all", "--page", str(page), "--only", "frmrc", "--count", "1"]) == 0
+    written = page.read_text("utf-8")
+    assert written == capsys.readouterr().out
+    assert "## frmrc: " in written and "| damped least squares |" in written
+    assert main(["benchmark", "all", "--page", "/nowhere/page.md", "--only", "frmrc"]) != 0
+
+
+def test_benchmark_many_and_single(capsys):
+    assert main(["benchmark", "many", "--poses", "20"]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count(" 77 ") == 7 and "iiwa14       1000" in printed
+    assert main(["benchmark", "single", "--rounds", "1"]) == 0
+    printed = capsys.readouterr().out
+    assert "pose at limits, panda" in printed and printed.count("100.0 %") == 4
 
 
 def test_benchmark_poses_prints_each_law(capsys):

@@ -38,6 +38,8 @@ class Benchmark:
     """How many by default."""
     table: Callable[[int, Progress], str]
     """Runs it: the count and a callback for progress to the text of its table."""
+    seeds: str = "nothing is random"
+    """Of its random numbers."""
 
 
 BENCHMARKS = {
@@ -52,6 +54,7 @@ BENCHMARKS = {
         "seconds",
         5,
         feedback_benchmark.table,
+        "noise seeded by the time",
     ),
     "hard": Benchmark(
         "a line, a large step, targets out of reach, beside others",
@@ -60,52 +63,73 @@ BENCHMARKS = {
         hard_benchmark.table,
     ),
     "obstacles": Benchmark(
-        "past obstacles, beside Drake's differential IK", "scenes", 3, obstacles_benchmark.table
+        "past obstacles, beside Drake's differential IK",
+        "scenes",
+        3,
+        obstacles_benchmark.table,
+        "seed 0",
     ),
     "poses": Benchmark(
-        "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table
+        "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table, "seed 0"
     ),
     "batch": Benchmark(
         "one pose and many, beside roboticstoolbox where installed",
         "rounds",
         3,
         batch_benchmark.table,
+        "seeds 0, 1, 77, then 78, …",
     ),
     "many": Benchmark(
         "20,000 poses of an arm at once, a million, and the kinematics alone",
         "poses",
         20_000,
         many_benchmark.table,
+        "seeds 0, 1, 77",
     ),
     "single": Benchmark(
-        "one posture, one pose, poses at limits, the import", "rounds", 20, single_benchmark.table
+        "one posture, one pose, poses at limits, the import",
+        "rounds",
+        20,
+        single_benchmark.table,
+        "seed 0",
     ),
     "arms": Benchmark(
         "public arms beside Drake's integrator and Pink, where installed",
         "targets",
         20,
         arms_benchmark.table,
+        "seed 7",
     ),
     "calm": Benchmark(
         "what the calm costs where a target can be followed, and what it is for",
         "runs",
         150,
         calm_benchmark.table,
+        "seed 0",
     ),
     "supervise": Benchmark(
-        "Drake's differential IK, as it is and supervised", "poses", 20, supervise_benchmark.table
+        "Drake's differential IK, as it is and supervised",
+        "poses",
+        20,
+        supervise_benchmark.table,
+        "seed 0",
     ),
     "frmrc": Benchmark(
-        "fuzzy rate control beside the pseudo-inverse, in batch", "rounds", 10, rate_benchmark.table
+        "fuzzy rate control beside the pseudo-inverse, in batch",
+        "rounds",
+        10,
+        rate_benchmark.table,
+        "seed 0",
     ),
     "labvolt": Benchmark(
-        "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table
+        "LabVolt 5250: SQP, Drake's IK, closed form", "rounds", 5, labvolt_benchmark.table, "seed 0"
     ),
     "mamdani": Benchmark(
         "Mamdani inference, beside scikit-fuzzy where installed",
         "rounds",
         10,
         mamdani_benchmark.table,
+        "seed 0",
     ),
     "anfis": Benchmark(
         "training and bounds, beside anfis-toolbox where installed",
@@ -114,7 +138,11 @@ BENCHMARKS = {
         anfis_benchmark.table,
     ),
     "regions": Benchmark(
-        "feasible regions: exactness and time a point", "points", 5000, self_motion_benchmark.table
+        "feasible regions: exactness and time a point",
+        "points",
+        5000,
+        self_motion_benchmark.table,
+        "seeds 2021 to 2023",
     ),
 }
 """Benchmarks by name."""
