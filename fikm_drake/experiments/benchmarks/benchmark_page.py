@@ -16,10 +16,10 @@ from fikm_drake.kinematics.native.kernel import kernel_description
 
 HEAD = """# Benchmarks
 
-Written by `fikm-drake benchmark all --page FILE`; `fikm-drake benchmark NAME` prints one of them. Times are CPU
-times unless a column says otherwise. What is compared takes turns on the same job, so a busy machine disturbs
-all alike: ratios hold, times are those of this machine at that time. A *limit* is what the machine could do at
-best, measured too. Peers that are not installed are left out (`pip install 'fikm-drake[peers]'`).
+Written by `fikm-drake benchmark all --page FILE`; `fikm-drake benchmark NAME` prints one of them. Times are
+CPU times unless a column says otherwise. What is compared takes turns on the same job, so a busy machine
+disturbs all alike: ratios hold, times are those of this machine at that time. A *limit* is what the machine
+could do at best, measured too. Peers that are not installed are left out (`pip install 'fikm-drake[peers]'`).
 """
 
 
