@@ -17,6 +17,7 @@ from fikm_drake.control.cycle import ControlCycle, CycleState, Tick
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.control.jerk_limit import JerkLimit
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import RestartState
 from fikm_drake.control.rollout import Rollout, rollout
@@ -123,6 +124,7 @@ from fikm_drake.solvers.workplane.workplane_data import WorkplaneData, load_work
 from fikm_drake.solvers.workplane.workplane_inverse import TiltedPlaneInverse, WorkplaneInverse
 from fikm_drake.systems.chain_inverse_dynamics import ChainInverseDynamics
 from fikm_drake.systems.clearance_filter import ClearanceFilter
+from fikm_drake.systems.command_smoother import CommandSmoother
 from fikm_drake.systems.command_supervisor import CommandSupervisor
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.fused_fuzzy_ik import FusedFuzzyIk
@@ -163,6 +165,7 @@ __all__ = [
     "ClearanceFilter",
     "ClearanceInfo",
     "CommandSupervision",
+    "CommandSmoother",
     "CommandSupervisor",
     "CommandSupervisorConfig",
     "Comparison",
@@ -201,6 +204,7 @@ __all__ = [
     "IntegerFuzzyIkSystem",
     "IntervalTable",
     "JacobianTranspose",
+    "JerkLimit",
     "JointIntegrator",
     "JointLimits",
     "JointPath",

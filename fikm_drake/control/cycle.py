@@ -13,7 +13,7 @@ In tick k the joints are at q, their command is θ, and
     dθ = clearance(q, dθ)                    the nearest one that keeps clear of obstacles
     dθ = guard(dθ)                           the last word: finite, not too long, inside the limits of
                                              position, speed and acceleration; nothing is added after it
-    θ = θ + dθ
+    θ = θ + dθ                               with limits of jerk the mean of the last θ goes out
 
 ⅔ stands for the two smoothings. The fused block and `rollout` run `ControlCycle`; the Diagram's blocks
 call its parts one by one.
@@ -31,6 +31,7 @@ from fikm_drake.control.clearance import ClearanceInfo, make_clearance
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
+from fikm_drake.control.jerk_limit import JerkLimit
 from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import RestartState, make_restart_search
@@ -38,7 +39,6 @@ from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.status import (
     ControllerStatus,
     controller_status,
-    following_distance,
     follows,
 )
 from fikm_drake.control.steps import amplify, length, low_pass
@@ -165,7 +165,9 @@ class ControlCycle:
                 limits=self.limits,
                 clearance=self.clearance,
             )
-        self.distance = following_distance(config.speeds(arm), config.following_time)
+        self.jerk_limit = config.smoothing(arm)
+        check_jerk(config, self.jerk_limit, collision_checker)
+        self.distance = config.following(arm)
         self._rate = 1.0 / config.period  # rounded as in JointIntegrator
         self._no_error, self._hold = np.zeros(task.size), np.zeros(arm.num_joints)
 
@@ -271,7 +273,12 @@ class ControlCycle:
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
 
     def status(
-        self, state: CycleState, tick: Tick, measured: Array | None = None
+        self,
+        state: CycleState,
+        tick: Tick,
+        measured: Array | None = None,
+        *,
+        settled: bool = True,
     ) -> ControllerStatus:
         """The status of a tick.
 
@@ -279,6 +286,7 @@ class ControlCycle:
             state: before the tick.
             tick: the tick.
             measured: the robot's joints (n,) where they are known [rad or m].
+            settled: what goes out is at the target too; see `controller_status`.
         """
         return controller_status(
             valid=tick.valid,
@@ -290,6 +298,7 @@ class ControlCycle:
             restart_search=self.restart.state(state.restart) if self.restart else RestartState.NONE,
             blocked=tick.cleared.blocked,
             following=measured is None or follows(state.command, measured, self.distance),
+            settled=settled,
         )
 
 
@@ -297,6 +306,17 @@ def make_law(task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = 
     """The law of a config, or `law`, checked; one of rules is fitted to the task's Jacobian."""
     chosen = config.law if law is None else law
     return checked_law(fit_to_range(chosen, task), task.size, task.arm.num_joints)
+
+
+def check_jerk(
+    config: FuzzyIkConfig, jerk_limit: JerkLimit | None, collision_checker: CollisionChecker | None
+) -> None:
+    """ValueError if there are both: what goes out is between the positions that were looked at."""
+    if jerk_limit and collision_checker is not None:
+        raise ValueError(
+            "jerk_limits can't be kept together with a collision checker, since the smoothed way is not "
+            f"looked at: leave one of them out, got jerk_limits {config.jerk_limits!r}"
+        )
 
 
 def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:

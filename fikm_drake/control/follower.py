@@ -13,7 +13,7 @@ def follow(
     *,
     step: float,
     speed: Array,
-    acceleration: float,
+    acceleration: float | Array,
 ) -> tuple[Array, Array]:
     """Position and velocity after one time step toward a target that moves; each element alone.
 
@@ -27,7 +27,7 @@ def follow(
         target_velocity: (n,) [rad/s or m/s].
         step: the time step [s].
         speed: limits (n,) [rad/s or m/s], inf for none.
-        acceleration: limit of all elements [rad/s² or m/s²], finite.
+        acceleration: limit of all elements, or of each (n,) [rad/s² or m/s²], finite.
     """
     behind = target - step * target_velocity - position
     gain = acceleration * step  # of velocity in a step

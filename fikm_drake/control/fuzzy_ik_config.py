@@ -18,6 +18,8 @@ from fikm_drake.checks import (
 )
 from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.control.jerk_limit import JerkLimit, smooth_accelerations
+from fikm_drake.control.status import following_distance
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
 from fikm_drake.kinematics.tasks import check_task_name
@@ -63,6 +65,9 @@ class FuzzyIkConfig:
         default_velocity_limit: speed of a joint that neither the plant nor `velocity_limits` bounds
             [rad/s or m/s]; infinite (`.inf` in YAML): none, as in the paper.
         acceleration_limits: largest joint accelerations, likewise [rad/s² or m/s²].
+        jerk_limits: largest joint jerks (n), or one for all [rad/s³ or m/s³]; empty: none. The command
+            that goes out is then the mean of the loop's last ones, see `control.jerk_limit`: less makes it
+            smoother and later. Not together with a collision checker.
         restart_search: search for another posture where the law comes to rest before the target: out
             of dead points and local minima at joint limits; see `control.restart_search`. The arm may
             then move far, and not along the task.
@@ -95,6 +100,7 @@ class FuzzyIkConfig:
     velocity_limits: list[float] = field(default_factory=list)
     default_velocity_limit: float = DEFAULT_VELOCITY_LIMIT
     acceleration_limits: list[float] = field(default_factory=list)
+    jerk_limits: list[float] = field(default_factory=list)
     restart_search: bool = False
     restart_speed: float = 1.5
     following_time: float = 0.25
@@ -118,6 +124,7 @@ class FuzzyIkConfig:
             error_limit=inf,
             max_joint_step=inf,
             default_velocity_limit=inf,
+            jerk_limits=[],
             limit_margin=0.0,
             singularity_nudge=0.0,
             supervisor=dataclasses.replace(self.supervisor, calming=1.0),
@@ -176,8 +183,36 @@ class FuzzyIkConfig:
         return np.where(np.isfinite(speeds), speeds, self.default_velocity_limit)
 
     def accelerations(self, arm: PlantArm) -> Array:
-        """Limits of acceleration (n,), the arm's too [rad/s² or m/s²]."""
-        return _least("acceleration_limits", self.acceleration_limits, arm.acceleration_limits)
+        """Limits of acceleration (n,), the arm's too, and what jerk leaves of them [rad/s² or m/s²]."""
+        own = _least("acceleration_limits", self.acceleration_limits, arm.acceleration_limits)
+        return smooth_accelerations(self.jerks(arm), self.speeds(arm), own)
+
+    def jerks(self, arm: PlantArm) -> Array:
+        """Limits of jerk (n,), inf for none [rad/s³ or m/s³]."""
+        return _least("jerk_limits", self.jerk_limits, np.full(arm.num_joints, inf))
+
+    def smoothing(self, arm: PlantArm) -> JerkLimit | None:
+        """What keeps the limits of jerk; None where there are none.
+
+        Raises:
+            ValueError: see `JerkLimit`.
+        """
+        jerks = self.jerks(arm)
+        if not np.isfinite(jerks).any():
+            return None
+        return JerkLimit(
+            jerks,
+            period=self.period,
+            velocity_limits=self.speeds(arm),
+            acceleration_limits=self.accelerations(arm),
+            num_joints=arm.num_joints,
+        )
+
+    def following(self, arm: PlantArm) -> Array:
+        """How far a robot that follows may be from its command (n,) [rad or m]."""
+        smoothing = self.smoothing(arm)
+        late = smoothing.late * self.period if smoothing else 0.0
+        return following_distance(self.speeds(arm), self.following_time + late)
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""

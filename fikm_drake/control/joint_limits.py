@@ -54,9 +54,9 @@ class JointLimits:
         self.lower, self.upper = np.maximum(lower, -FARTHEST), np.minimum(upper, FARTHEST)
         self._period = period
         n = len(self.lower)
-        self._fastest = _each("velocity_limits", velocity_limits, n) * period
+        self._fastest = each_limit("velocity_limits", velocity_limits, n) * period
         self._slowest = -self._fastest
-        self._change = _each("acceleration_limits", acceleration_limits, n) * period**2
+        self._change = each_limit("acceleration_limits", acceleration_limits, n) * period**2
         self.brakes = bool(np.isfinite(self._change).any())
         """Whether a joint has a limit of acceleration."""
         self._fast = bool(np.isfinite(self._fastest).any())
@@ -204,7 +204,8 @@ class StepBox:
         return self.limits.changing_bounds(*self.steady_bounds, velocity)
 
 
-def _each(name: str, limit: ArrayLike, size: int) -> Array:
+def each_limit(name: str, limit: ArrayLike, size: int) -> Array:
+    """A limit of each joint (n,), from one for all or n; ValueError, by `name`, unless they are positive."""
     values = np.array(limit, dtype=float)
     if values.shape not in ((), (size,)) or not (values > 0.0).all():
         raise ValueError(f"{name} must be positive, one number or {size}, got {values.tolist()}")

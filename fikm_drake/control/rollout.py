@@ -13,7 +13,7 @@ class Rollout(NamedTuple):
     """N cycles of a controller whose robot does what it is told."""
 
     q: Array
-    """Commands after each cycle (N,n) [rad or m]."""
+    """What goes out after each cycle (N,n) [rad or m]."""
     joint_step: Array
     """dθ of each cycle (N,n) [rad or m]."""
     error: Array
@@ -30,14 +30,19 @@ def rollout(cycle: ControlCycle, targets: Sequence[Any], start: Array) -> Rollou
         targets: N targets, one a cycle, as the task takes them.
         start: joint positions (n,) [rad or m].
     """
-    state = cycle.start(start)
+    state, smoothing = cycle.start(start), cycle.jerk_limit
+    memory = smoothing.start(start) if smoothing else None
     ticks, commands = [], []
     for target in targets:
         q = state.command.copy()
         tick = cycle.tick(state, target, q)
         cycle.advance(state, target, q, tick)
         ticks.append(tick)
-        commands.append(state.command.copy())
+        if smoothing and memory is not None:
+            smoothing.remember(memory, q)
+            commands.append(smoothing.command(memory, state.command))
+        else:
+            commands.append(state.command.copy())
     return Rollout(
         np.array(commands),
         np.array([tick.joint_step for tick in ticks]),

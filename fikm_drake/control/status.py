@@ -63,6 +63,7 @@ def controller_status(
     restart_search: float = RestartState.NONE,
     following: bool = True,
     blocked: bool = False,
+    settled: bool = True,
 ) -> ControllerStatus:
     """The status of a cycle.
 
@@ -76,12 +77,14 @@ def controller_status(
         following: the measured robot is near its command.
         blocked: obstacles take away half of the step or more.
         restart_search: what the restart search does, a `RestartState`.
+        settled: False while the command that goes out, smoothed for a limit of jerk, is not within the
+            tolerance yet.
     """
     if not valid:
         return ControllerStatus.INVALID_INPUT
     if not following:
         return ControllerStatus.NOT_FOLLOWING
-    if error <= tolerance:
+    if error <= tolerance and settled:
         return ControllerStatus.CONVERGED
     if restart_search == RestartState.STUCK:
         return ControllerStatus.STUCK

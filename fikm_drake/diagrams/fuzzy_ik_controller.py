@@ -8,14 +8,14 @@ from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
 
 from fikm_drake.control.clearance import make_clearance
-from fikm_drake.control.cycle import make_law, make_limits
+from fikm_drake.control.cycle import check_jerk, make_law, make_limits
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.control.status import following_distance
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
 from fikm_drake.laws.law import takes_damping
 from fikm_drake.systems.clearance_filter import ClearanceFilter
+from fikm_drake.systems.command_smoother import CommandSmoother
 from fikm_drake.systems.differential_ik import DifferentialIk
 from fikm_drake.systems.gain_supervisor import GainSupervisor
 from fikm_drake.systems.guard_block import GuardBlock
@@ -53,7 +53,8 @@ class FuzzyIkController(Diagram):
     - **estimated_position** (n) [rad or m]: the robot's joints. The command starts there, in the
       initialization event, and with `config.measured_position` the law works there. May stay
       unconnected without that: then set the start by `SetPositions`.
-    - **commanded_position** (n) [rad or m]: from the state.
+    - **commanded_position** (n) [rad or m]: from the state; with `config.jerk_limits` the mean of the last
+      commands, while `task_error` is of the newest.
     - **commanded_velocity** (n) [rad/s or m/s]: the last change of the command over the period.
     - **joint_step** (n) [rad or m]: dθ of this cycle, what the guard lets through.
     - **task_error** (m) [m]: desired minus actual, in the world frame; see `TaskError`.
@@ -158,9 +159,17 @@ class FuzzyIkController(Diagram):
                 arm.upper,
                 period=period,
                 initial_position=arm.default_position,
-                following_distance=following_distance(config.speeds(arm), config.following_time),
+                following_distance=config.following(arm),
             ),
         )
+        smoothing = config.smoothing(arm)
+        check_jerk(config, smoothing, collision_checker)
+        sent: System = integrator  # whose position goes out
+        if smoothing:
+            sent = add(
+                "command_smoother",
+                CommandSmoother(smoothing, period=period, initial_position=arm.default_position),
+            )
         status = add(
             "status_monitor",
             StatusMonitor(
@@ -168,9 +177,10 @@ class FuzzyIkController(Diagram):
                 tolerance=config.tolerance,
                 restart_search=config.restart_search,
                 blocked=collision_checker is not None,
+                smoothed=smoothing is not None and not config.measured_position,
             ),
         )
-        self._integrator = integrator
+        self._placed = list(dict.fromkeys((integrator, sent)))
 
         def wire(source: System, output: str, target: System, port: str) -> None:
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(port))
@@ -248,6 +258,14 @@ class FuzzyIkController(Diagram):
         if config.restart_search:
             builder.ConnectInput(desired.get_name(), planner.GetInputPort(desired.get_name()))
         builder.ExportInput(integrator.GetInputPort("estimated_position"), "estimated_position")
+        if smoothing:
+            wire(integrator, "position", sent, "command")
+            builder.ConnectInput("estimated_position", sent.GetInputPort("estimated_position"))
+            if not config.measured_position:
+                sent_error = add("sent_error", TaskError(plant, task=task))
+                builder.ConnectInput(desired.get_name(), sent_error.get_input_port(0))
+                wire(sent, "position", sent_error, "position")
+                wire(sent_error, "task_error", status, "sent_error")
         for port in extra:
             if port.get_name() in exported:
                 builder.ConnectInput(port.get_name(), port)
@@ -260,8 +278,8 @@ class FuzzyIkController(Diagram):
             else:
                 builder.ConnectInput("estimated_position", block.GetInputPort("position"))
         for block, port, name in (
-            (integrator, "position", "commanded_position"),
-            (integrator, "velocity", "commanded_velocity"),
+            (sent, "position", "commanded_position"),
+            (sent, "velocity", "commanded_velocity"),
             (guard, "joint_step", "joint_step"),
             (error, "task_error", "task_error"),
             (supervisor, "gain", "gain"),
@@ -288,5 +306,5 @@ class FuzzyIkController(Diagram):
             ValueError: naming the bad value.
             RuntimeError: the context is another system's.
         """
-        own = self.GetMutableSubsystemContext(self._integrator, context)
-        self._integrator.SetPositions(own, position)
+        for block in self._placed:
+            block.SetPositions(self.GetMutableSubsystemContext(block, context), position)

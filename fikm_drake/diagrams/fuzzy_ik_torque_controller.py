@@ -136,6 +136,7 @@ class FuzzyIkTorqueController(Diagram):
                 time_step=plant.time_step(),
                 velocity_limits=chain.velocity_limits,
                 acceleration_limits=acceleration_limits,
+                jerk_limits=config.jerks(whole.arm),
                 initial_position=chain.default_position,
             ),
         )

@@ -20,6 +20,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.checks import check_position
 from fikm_drake.control.cycle import ControlCycle, CycleState, Tick
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.control.steps import length
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike
@@ -95,9 +96,19 @@ class FusedFuzzyIk(LeafSystem):
         start = self._cycle.start(task.arm.default_position)
         groups = CycleState(*(self.DeclareDiscreteState(part) for part in start))
         self._groups = tuple(range(len(groups)))
+        self._jerk_limit, self._window = self._cycle.jerk_limit, len(groups)
+        if self._jerk_limit:
+            self.DeclareDiscreteState(self._jerk_limit.start(start.command).ravel())
         declare_start(self, estimated, self._start)
-        self.DeclareStateOutputPort("commanded_position", groups.command)
-        self.DeclareStateOutputPort("commanded_velocity", groups.velocity)
+        if self._jerk_limit:
+            for name, calc in (
+                ("commanded_position", self._jerk_limit.command),
+                ("commanded_velocity", self._jerk_limit.velocity),
+            ):
+                self._declare_sent(name, n, calc)
+        else:
+            self.DeclareStateOutputPort("commanded_position", groups.command)
+            self.DeclareStateOutputPort("commanded_velocity", groups.velocity)
         self._declare_output("joint_step", n, lambda tick: tick.joint_step)
         self._declare_output("task_error", m, lambda tick: tick.error)
         self._declare_output("gain", 1, lambda tick: tick.gain)
@@ -131,11 +142,16 @@ class FusedFuzzyIk(LeafSystem):
             RuntimeError: the context is another system's.
         """
         arm = self._cycle.task.arm
-        set_command(self, context, check_position(position, arm.lower, arm.upper))
+        position = check_position(position, arm.lower, arm.upper)
+        set_command(self, context, position)
+        if self._jerk_limit:
+            context.SetDiscreteState(self._window, self._jerk_limit.start(position).ravel())
 
     def _start(self, discrete_state: DiscreteValues, position: Array) -> None:
         for i, part in enumerate(self._cycle.start(position)):
             discrete_state.set_value(i, part)
+        if self._jerk_limit:
+            discrete_state.set_value(self._window, self._jerk_limit.start(position).ravel())
 
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
         get = context.get_discrete_state
@@ -166,6 +182,27 @@ class FusedFuzzyIk(LeafSystem):
             prerequisites_of_calc={self.all_input_ports_ticket(), self.xd_ticket()},
         )
 
+    def _declare_sent(self, name: str, size: int, sent: Callable[[Array, Array], Array]) -> None:
+        """An output made of the last commands (M,n) and the newest (n,)."""
+
+        def calc(context: Context, output: BasicVector) -> None:
+            output.set_value(sent(*self._commands(context)))
+
+        self.DeclareVectorOutputPort(name, size, calc, prerequisites_of_calc={self.xd_ticket()})
+
+    def _commands(self, context: Context) -> tuple[Array, Array]:
+        """The last commands (M,n), with a limit of jerk, and the newest (n,)."""
+        newest = context.get_discrete_state(0).value()
+        return context.get_discrete_state(self._window).value().reshape(-1, len(newest)), newest
+
+    def _settled(self, context: Context, tick: Tick) -> bool:
+        """False while what goes out, smoothed, is not within the tolerance as the newest command is."""
+        tolerance = self._cycle.config.tolerance
+        if not self._jerk_limit or self._measured or not tick.error_length <= tolerance:
+            return True
+        sent = self._jerk_limit.command(*self._commands(context))
+        return length(self._cycle.task.error(self._desired(context), sent)) <= tolerance
+
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
         supervision = CycleState._fields.index("supervision")
         memory = context.get_discrete_state(supervision).value()
@@ -180,13 +217,17 @@ class FusedFuzzyIk(LeafSystem):
         state, tick = self._tick(context)
         known = self._estimated.HasValue(context)
         measured = self._estimated.Eval(context) if known else None
-        output[0] = self._cycle.status(state, tick, measured)
+        settled = self._settled(context, tick)
+        output[0] = self._cycle.status(state, tick, measured, settled=settled)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
         state = CycleState(*map(get, self._groups))
         target, q, others = self._inputs(context, state)
+        if self._jerk_limit:
+            memory = get(self._window).reshape(-1, len(state.command))  # a view
+            self._jerk_limit.remember(memory, state.command)
         tick = self._tick_of(context, state, target, q, others)
         self._cycle.advance(state, target, q, tick, others)
 

@@ -5,7 +5,7 @@ from math import floor
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import (
@@ -16,6 +16,7 @@ from fikm_drake.checks import (
     check_positive_finite,
 )
 from fikm_drake.control.follower import follow
+from fikm_drake.control.jerk_limit import JerkLimit
 from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.start import declare_start, mark_placed
 
@@ -51,6 +52,8 @@ class JointReference(LeafSystem):
         time_step: of the inner loop [s].
         velocity_limits: (n,) [rad/s or m/s]; inf for none.
         acceleration_limits: of every joint, finite [rad/s² or m/s²].
+        jerk_limits: (n,) [rad/s³ or m/s³], inf for none; what goes out is then the mean of the last states,
+            see `JerkLimit`.
         initial_position: (n,) [rad or m]; zeros by default.
 
     Raises:
@@ -73,6 +76,7 @@ class JointReference(LeafSystem):
         time_step: float,
         velocity_limits: ArrayLike,
         acceleration_limits: float,
+        jerk_limits: ArrayLike = np.inf,
         initial_position: ArrayLike | None = None,
     ) -> None:
         super().__init__()
@@ -88,9 +92,18 @@ class JointReference(LeafSystem):
             )
         check_positive_finite("acceleration_limits", acceleration_limits, "rad/s² or m/s²")
         self._n = num_joints
-        self._follow = partial(
-            follow, step=self._time_step, speed=speed, acceleration=float(acceleration_limits)
-        )
+        acceleration: float | Array = float(acceleration_limits)
+        self._jerk_limit = None
+        if np.isfinite(jerk_limits).any():
+            self._jerk_limit = JerkLimit(
+                jerk_limits,
+                period=self._time_step,
+                velocity_limits=speed,
+                acceleration_limits=acceleration_limits,
+                num_joints=num_joints,
+            )
+            acceleration = self._jerk_limit.accelerations
+        self._follow = partial(follow, step=self._time_step, speed=speed, acceleration=acceleration)
         position = self.DeclareVectorInputPort("commanded_position", num_joints)
         velocity = self.DeclareVectorInputPort("commanded_velocity", num_joints)
         self._position, self._velocity = position.Eval, velocity.Eval
@@ -98,9 +111,19 @@ class JointReference(LeafSystem):
         free = np.full(num_joints, np.inf)
         start = check_position(start, -free, free, name="initial_position")
         state = self.DeclareDiscreteState(np.concatenate([start, np.zeros(num_joints)]))
+        if self._jerk_limit:
+            self.DeclareDiscreteState(self._jerk_limit.start(start).ravel())
         estimated = self.DeclareVectorInputPort("estimated_position", num_joints)
-        declare_start(self, estimated, _start)
-        self.DeclareStateOutputPort("desired_state", state)
+        declare_start(self, estimated, self._start)
+        if self._jerk_limit:
+            self.DeclareVectorOutputPort(
+                "desired_state",
+                2 * num_joints,
+                self._calc_smooth,
+                prerequisites_of_calc={self.xd_ticket()},
+            )
+        else:
+            self.DeclareStateOutputPort("desired_state", state)
         self.DeclarePeriodicDiscreteUpdateEvent(time_step, 0.5 * time_step, self._update)
 
     def SetPositions(self, context: Context, position: ArrayLike) -> None:
@@ -113,13 +136,31 @@ class JointReference(LeafSystem):
         free = np.full(self._n, np.inf)
         position = check_position(position, -free, free)
         self.ValidateContext(context)
-        context.SetDiscreteState(np.concatenate([position, np.zeros(self._n)]))
+        context.SetDiscreteState(0, np.concatenate([position, np.zeros(self._n)]))
+        if self._jerk_limit:
+            context.SetDiscreteState(1, self._jerk_limit.start(position).ravel())
         mark_placed(context)
+
+    def _start(self, discrete_state: DiscreteValues, position: Array) -> None:
+        discrete_state.set_value(0, np.concatenate([position, np.zeros(self._n)]))
+        if self._jerk_limit:
+            discrete_state.set_value(1, self._jerk_limit.start(position).ravel())
+
+    def _calc_smooth(self, context: Context, output: BasicVector) -> None:
+        limit, n = self._jerk_limit, self._n
+        if limit is not None:
+            newest = context.get_discrete_state(0).value()[:n]
+            memory = context.get_discrete_state(1).value().reshape(-1, n)
+            output.get_mutable_value()[:n] = limit.command(memory, newest)
+            output.get_mutable_value()[n:] = limit.velocity(memory, newest)
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         n = self._n
         position, velocity = self._position(context), self._velocity(context)
-        state = discrete_state.get_mutable_value()  # holds the present state until it is written
+        state = discrete_state.get_mutable_value(0)  # holds the present state until it is written
+        if self._jerk_limit:
+            memory = discrete_state.get_mutable_value(1).reshape(-1, n)  # a view
+            self._jerk_limit.remember(memory, state[:n])
         if all_finite(position) and all_finite(velocity):
             time = context.get_time()
             end = (floor(time / self._period) + 1.0) * self._period
@@ -128,7 +169,3 @@ class JointReference(LeafSystem):
         else:
             target, target_velocity = state[:n].copy(), np.zeros(n)
         state[:n], state[n:] = self._follow(state[:n], state[n:], target, target_velocity)
-
-
-def _start(discrete_state: DiscreteValues, position: Array) -> None:
-    discrete_state.set_value(np.concatenate([position, np.zeros(len(position))]))

@@ -19,7 +19,11 @@ _PLACED = 0  # the numeric parameter that says that somebody has set the positio
 
 
 def declare_start(
-    system: LeafSystem, port: InputPort, start: Callable[[DiscreteValues, Array], None]
+    system: LeafSystem,
+    port: InputPort,
+    start: Callable[[DiscreteValues, Array], None],
+    *,
+    warns: bool = True,
 ) -> None:
     """Declare the initialization event that starts a command at what a port measures.
 
@@ -30,6 +34,7 @@ def declare_start(
         system: the block; it has no numeric parameters of its own.
         port: the measured joint positions (n), connected or not [rad or m].
         start: writes joint positions (n,) into the block's discrete state, at rest.
+        warns: False where another block warns of the same start.
     """
     system.DeclareNumericParameter(BasicVector([0.0]))
 
@@ -37,7 +42,7 @@ def declare_start(
         measured = port.Eval(context) if port.HasValue(context) else None
         if measured is not None and all_finite(measured):
             start(discrete_state, measured)
-        elif context.get_numeric_parameter(_PLACED)[0] == 0.0:
+        elif warns and context.get_numeric_parameter(_PLACED)[0] == 0.0:
             warnings.warn(
                 f"{system.get_name() or type(system).__name__} starts at the plant's default "
                 "posture, wherever the robot is: connect its port estimated_position, or call "

@@ -25,6 +25,7 @@ class StatusMonitor(LeafSystem):
         - following
         - restart_search
         - blocked
+        - sent_error
         output_ports:
         - status
 
@@ -33,6 +34,8 @@ class StatusMonitor(LeafSystem):
       blocks' ports of these names.
     - **restart_search** (1): of `RestartPlanner`; the port exists with `restart_search` only.
     - **blocked** (1): of `ClearanceFilter`; the port exists with `blocked` only.
+    - **sent_error** (m) [m]: task error of what goes out, smoothed for a limit of jerk; the port exists with
+      `smoothed` only.
     - **status** (1): a `ControllerStatus`; computed only when somebody asks. An input that is not
       finite counts as not valid.
 
@@ -41,6 +44,7 @@ class StatusMonitor(LeafSystem):
         tolerance: an error of this length counts as converged [m].
         restart_search: whether there is the port `restart_search`.
         blocked: whether there is the port `blocked`.
+        smoothed: whether there is the port `sent_error`.
 
     Raises:
         ValueError: naming the bad value.
@@ -53,6 +57,7 @@ class StatusMonitor(LeafSystem):
         tolerance: float = 1e-3,
         restart_search: bool = False,
         blocked: bool = False,
+        smoothed: bool = False,
     ) -> None:
         super().__init__()
         check_counts(size=size)
@@ -71,11 +76,10 @@ class StatusMonitor(LeafSystem):
                 *["blocked"] * blocked,
             )
         ]
+        self._sent = self.DeclareVectorInputPort("sent_error", size) if smoothed else self._error
+        inputs = (self._error, self._sent, *self._flags)
         self.DeclareVectorOutputPort(
-            "status",
-            1,
-            self._calc,
-            prerequisites_of_calc={port.ticket() for port in (self._error, *self._flags)},
+            "status", 1, self._calc, prerequisites_of_calc={port.ticket() for port in inputs}
         )
 
     def _calc(self, context: Context, output: BasicVector) -> None:
@@ -92,4 +96,5 @@ class StatusMonitor(LeafSystem):
             following=bool(following),
             restart_search=flags[5] if self._searches else RestartState.NONE,
             blocked=self._sees and bool(flags[-1]),
+            settled=length(self._sent.Eval(context)) <= self._tolerance,
         )

@@ -73,6 +73,7 @@ def test_direct_feedthrough_is_that_of_the_blocks(plant, fused, measured, restar
             nominal_position=[0.1] * 7,
             velocity_limits=[1.5],
             acceleration_limits=[9.0],
+            jerk_limits=[900.0],
             max_joint_step=np.inf,
             supervisor=fd.GainSupervisorConfig(
                 calming=0.9,

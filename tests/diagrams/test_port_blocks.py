@@ -47,6 +47,9 @@ def clearance_filter():
 
 
 ALL = fd.FuzzyIkConfig(measured_position=True)
+JERK_LIMIT = fd.JerkLimit(
+    900.0, period=PERIOD, velocity_limits=2.0, acceleration_limits=9.0, num_joints=7
+)
 LIMITS = fd.JointLimits(np.full(7, -3.0), np.full(7, 3.0), period=PERIOD)
 
 
@@ -64,6 +67,9 @@ MAKERS = {
     "ClearanceFilter": lambda p: clearance_filter(),
     "NullSpaceFilter": lambda p: fd.NullSpaceFilter(fd.PositionTask(fd.PlantArm(p)), period=PERIOD),
     "NullSpaceMotion": lambda p: fd.NullSpaceMotion(7, lambda q: -q),
+    "CommandSmoother": lambda p: fd.CommandSmoother(
+        JERK_LIMIT, period=PERIOD, initial_position=np.zeros(7)
+    ),
     "CommandSupervisor": lambda p: fd.CommandSupervisor(7, period=PERIOD),
     "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
     "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
@@ -89,7 +95,9 @@ MAKERS = {
         fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
     ),
     "SlowFeedback": lambda p: fd.SlowFeedback(7, period=PERIOD),
-    "StatusMonitor": lambda p: fd.StatusMonitor(3, restart_search=True, blocked=True),
+    "StatusMonitor": lambda p: fd.StatusMonitor(
+        3, restart_search=True, blocked=True, smoothed=True
+    ),
     "SupervisedDifferentialIk": lambda p: fd.SupervisedDifferentialIk(Still(7), p, period=PERIOD),
     "TargetSource": lambda p: fd.TargetSource(lambda t: [0.4, 0.1, 0.5]),
     "TaskError": lambda p: fd.TaskError(p),

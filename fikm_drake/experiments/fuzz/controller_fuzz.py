@@ -43,12 +43,15 @@ class _Run:
         self.system = fd.MakeFuzzyIkController(case.arm.plant, config=config)
         self.context = self.system.CreateDefaultContext()
         self.system.SetPositions(self.context, case.start)
-        self.last = np.zeros(len(case.start))
+        self.last = self.change = self.loop_step = np.zeros(len(case.start))
         plant, period = case.arm.plant, config.period
         self.fast = period * _least(config.velocity_limits, plant.GetVelocityUpperLimits())
         self.hard = period**2 * _least(
             config.acceleration_limits, plant.GetAccelerationUpperLimits()
         )
+        jerks = np.full(len(case.start), np.inf)
+        self.jerk = period**3 * _least(config.jerk_limits, jerks)
+        """How much the change of a step may change."""
         self.seen: dict[str, Array] = {}
 
     def cycle(self, target: Target, noise: Array) -> list[Violation]:
@@ -76,8 +79,9 @@ class _Run:
             if not np.isfinite(value).all()
         ]
         found += self._limits(before, after)
-        found += self._status(target, q, after - before)
-        self.last = after - before
+        found += self._status(target, q)
+        self.change, self.last = after - before - self.last, after - before
+        self.loop_step = self.seen["joint_step"]
         return [(kind, f"{self.name}: {what}") for kind, what in found]
 
     def _limits(self, before: Array, after: Array) -> Iterator[Violation]:
@@ -90,19 +94,24 @@ class _Run:
             yield "speed limit", f"{np.max(np.abs(step) / self.fast)} times"
         if (np.abs(step - self.last) > self.hard + 2.0 * slack).any():
             yield "acceleration limit", f"{np.max(np.abs(step - self.last) / self.hard)} times"
+        jerk = np.abs(step - self.last - self.change)
+        if (jerk > self.jerk * (1.0 + ROUNDING) + 4.0 * slack + 4e-15 * np.abs(before)).any():
+            yield "jerk limit", f"{np.max(jerk / self.jerk)} times"
         longest = self.case.config.max_joint_step
         if np.linalg.norm(step) > longest + np.linalg.norm(slack):
             yield "step length", f"{np.linalg.norm(step)} beyond {longest}"
 
-    def _status(self, target: Target, q: Array, step: Array) -> Iterator[Violation]:
-        status = float(self.seen["status"][0])
+    def _status(self, target: Target, q: Array) -> Iterator[Violation]:
+        status, step = float(self.seen["status"][0]), self.seen["joint_step"]
         if status not in set(fd.ControllerStatus):
             yield "status unknown", str(status)
         if is_bad(target) or not np.linalg.norm(q) < 1e100:
             if status != fd.ControllerStatus.INVALID_INPUT:
                 yield "bad input, good status", fd.ControllerStatus(int(status)).name
-            braking = np.isfinite(self.hard)
-            if (np.abs(step) > np.where(braking, np.abs(self.last) * (1 + ROUNDING), 0.0)).any():
+            braking = np.isfinite(self.hard) | np.isfinite(self.jerk)
+            if (
+                np.abs(step) > np.where(braking, np.abs(self.loop_step) * (1 + ROUNDING), 0.0)
+            ).any():
                 yield "bad input moves", str(np.abs(step).max())
         elif status == fd.ControllerStatus.CONVERGED:
             config = self.case.config

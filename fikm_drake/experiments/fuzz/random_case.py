@@ -101,6 +101,9 @@ def random_config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
     for name in ("velocity_limits", "acceleration_limits"):
         count = int(rng.choice([0, 0, 1, n]))
         setattr(config, name, (10.0 ** rng.uniform(-2.0, 2.0, count)).tolist())
+    if rng.random() < 0.2:
+        count = int(rng.choice([1, n]))
+        config.jerk_limits = (10.0 ** rng.uniform(1.0, 5.0, count)).tolist()
     if rng.random() < 0.3:
         config = config.resolved_rate()
     elif rng.random() < 0.2:
