@@ -52,7 +52,7 @@ def drake_differential_ik(arm: DhArm, *, period: float) -> DifferentialInverseKi
     recipe.AddIngredient(System.LeastSquaresCost(cost))
     acceleration = np.full(n, ACCELERATION)
     limits = JointLimits(
-        arm.lower, arm.upper, -arm.velocity, arm.velocity, -acceleration, acceleration
+        arm.lower, arm.upper, -arm.velocity_limits, arm.velocity_limits, -acceleration, acceleration
     )
     margins = System.JointVelocityLimitConstraint.Config(min_margin=0.0, influence_margin=INFLUENCE)
     recipe.AddIngredient(System.JointVelocityLimitConstraint(margins, limits))

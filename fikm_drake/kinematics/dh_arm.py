@@ -5,13 +5,14 @@ import copy
 from numpy.typing import ArrayLike
 
 from fikm_drake.arrays import Array
+from fikm_drake.kinematics.chain_limits import ChainLimits
 from fikm_drake.kinematics.dh_table import DhTable
 from fikm_drake.kinematics.jacobian_range import jacobian_range
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.urdf import urdf
 
 
-class DhArm:
+class DhArm(ChainLimits):
     """A serial arm given by its Denavit-Hartenberg table: kinematics and URDF.
 
     Everything is vectorised over the leading axes of `q`. Frames: the base frame, link frames
@@ -24,13 +25,15 @@ class DhArm:
     Args:
         table: the arm's table; it is copied.
 
+    Attributes:
+        chain: the arm's one model of its kinematics, in the base frame.
+
     Raises:
         ValueError: naming the bad number and the valid ones.
     """
 
     def __init__(self, table: DhTable) -> None:
         self.chain = SerialChain.from_dh(table)
-        """The arm's one model of its kinematics, in the base frame."""
         self._table = table.in_si()
 
     @property
@@ -42,31 +45,6 @@ class DhArm:
     def name(self) -> str:
         """The arm's name."""
         return self._table.name
-
-    @property
-    def num_joints(self) -> int:
-        """The number of joints, n."""
-        return self.chain.num_joints
-
-    @property
-    def lower(self) -> Array:
-        """Lower joint limits (n,) [rad or m], −inf where there is none."""
-        return self.chain.lower.copy()
-
-    @property
-    def upper(self) -> Array:
-        """Upper joint limits (n,) [rad or m], inf where there is none."""
-        return self.chain.upper.copy()
-
-    @property
-    def velocity(self) -> Array:
-        """Joint speed limits (n,) [rad/s or m/s], inf where there is none."""
-        return self.chain.velocity_limits.copy()
-
-    @property
-    def default_position(self) -> Array:
-        """The joint positions nearest to zero inside the limits (n,) [rad or m]."""
-        return self.chain.default_position.copy()
 
     def joint_origin(self, i: int) -> Array:
         """Pose (4,4) in link i's frame of the frame whose z is the axis of joint i (from 0)."""

@@ -11,6 +11,7 @@ from pydrake.multibody.tree import Frame, JacobianWrtVariable, ModelInstanceInde
 from pydrake.systems.framework import Context as PlantContext
 
 from fikm_drake.arrays import Array
+from fikm_drake.kinematics.chain_limits import ChainLimits
 from fikm_drake.kinematics.chain_of_plant import held_positions
 from fikm_drake.kinematics.jacobian_range import jacobian_range
 from fikm_drake.kinematics.plant_frames import as_frame
@@ -20,7 +21,7 @@ _VELOCITY = JacobianWrtVariable.kV
 _ORIGIN = np.zeros((3, 1))  # of this shape it is passed on without a copy
 
 
-class PlantArm:
+class PlantArm(ChainLimits):
     """Joints of a plant and the tool's frame E: poses and Jacobians in a frame A, and limits.
 
     The joints are those of a `SerialChain`; the plant may hold whatever else, which stays where it is:
@@ -38,7 +39,6 @@ class PlantArm:
     Attributes:
         plant: the plant.
         chain: the joints, from A to E.
-        num_joints: n.
 
     Raises:
         ValueError: the plant is not finalized; no or more than one such frame or joint; no joint moves
@@ -64,7 +64,6 @@ class PlantArm:
             plant, frame, joints=joints, base=reference_frame, context=context
         )
         self.plant = plant
-        self.num_joints = self.chain.num_joints
         tool, base = as_frame(plant, frame), as_frame(plant, reference_frame)
         self._base, self._tool = base, tool
         self._in_world = base.is_world_frame()
@@ -80,31 +79,6 @@ class PlantArm:
         self._set_positions = plant.SetPositions
         self._calc_spatial = plant.CalcJacobianSpatialVelocity
         self._calc_translational = plant.CalcJacobianTranslationalVelocity
-
-    @property
-    def lower(self) -> Array:
-        """Lower limits (n,) [rad or m], −inf where there is none."""
-        return self.chain.lower.copy()
-
-    @property
-    def upper(self) -> Array:
-        """Upper limits (n,) [rad or m], inf where there is none."""
-        return self.chain.upper.copy()
-
-    @property
-    def velocity_limits(self) -> Array:
-        """Largest speed (n,) [rad/s or m/s], inf where there is no limit."""
-        return self.chain.velocity_limits.copy()
-
-    @property
-    def acceleration_limits(self) -> Array:
-        """Largest acceleration (n,) [rad/s² or m/s²], inf where there is no limit."""
-        return self.chain.acceleration_limits.copy()
-
-    @property
-    def default_position(self) -> Array:
-        """The joints' positions in the Context, moved inside the limits (n,) [rad or m]."""
-        return self.chain.default_position.copy()
 
     def context_at(self, q: Array) -> Any:
         """This thread's scratch Context of the plant with the joints at `q` (n,), which is finite.

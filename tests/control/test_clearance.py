@@ -49,7 +49,7 @@ def clearance(*shapes, rate=100.0, config=None, floating=False):
 def drive(guard, target, seconds=3.0, rate=100.0, start=HOME):
     """Least clearance on the way, final error and the last step, of a plain loop with speed limits."""
     law, q, least = fd.FuzzyMapping(iterations=3), start.copy(), np.inf
-    fastest = ARM.velocity / rate
+    fastest = ARM.velocity_limits / rate
     for _ in range(round(seconds * rate)):
         error = target - ARM.forward_kinematics(q)[:3, 3]
         J = ARM.jacobian(q)[3:]

@@ -101,7 +101,7 @@ def test_random_poses_of_an_iiwa_are_reached(index, local, plant_with, run):
     assert (Status.RESTART_SEARCH not in series["status"]) is local
     q = series["commanded_position"]
     assert (q >= arm.lower).all() and (q <= arm.upper).all()
-    assert (np.abs(np.diff(q, axis=0)) * 100.0 <= arm.velocity * (1 + 1e-9)).all()
+    assert (np.abs(np.diff(q, axis=0)) * 100.0 <= arm.velocity_limits * (1 + 1e-9)).all()
 
 
 def test_out_of_reach_it_ends_stuck_at_rest_and_wakes_up(plant_with, run, fused):

@@ -136,7 +136,7 @@ def test_a_target_that_steps_is_reached_inside_the_limits(measured):
     state, torque = (sink.FindLog(root).data() for sink in (states, torques))
     reached = arm.forward_kinematics(state[:7, -1])[:3, 3]
     np.testing.assert_allclose(reached, [0.4, 0.2, 0.5], atol=1e-4)
-    assert (np.abs(state[7:]).max(axis=1) < 1.1 * arm.velocity).all()
+    assert (np.abs(state[7:]).max(axis=1) < 1.1 * arm.velocity_limits).all()
     assert np.abs(torque).max() < 100.0
 
 

@@ -161,7 +161,7 @@ def test_limits_are_arrays_with_infinities():
     arm = DhArm(DhTable("arm", joints=rows))
     np.testing.assert_array_equal(arm.lower, [-1, -np.inf, -np.inf])
     np.testing.assert_array_equal(arm.upper, [np.inf, 3, np.inf])
-    np.testing.assert_array_equal(arm.velocity, [2, np.inf, np.inf])
+    np.testing.assert_array_equal(arm.velocity_limits, [2, np.inf, np.inf])
 
 
 def test_default_position_is_the_nearest_to_zero():

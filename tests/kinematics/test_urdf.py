@@ -56,8 +56,8 @@ def test_limits_of_the_plant_are_the_arms(name):
     plant.Finalize()
     np.testing.assert_array_equal(plant.GetPositionLowerLimits(), arm.lower)
     np.testing.assert_array_equal(plant.GetPositionUpperLimits(), arm.upper)
-    np.testing.assert_array_equal(plant.GetVelocityUpperLimits(), arm.velocity)
-    np.testing.assert_array_equal(plant.GetVelocityLowerLimits(), -arm.velocity)
+    np.testing.assert_array_equal(plant.GetVelocityUpperLimits(), arm.velocity_limits)
+    np.testing.assert_array_equal(plant.GetVelocityLowerLimits(), -arm.velocity_limits)
 
 
 def test_one_sided_limits_survive_the_urdf():

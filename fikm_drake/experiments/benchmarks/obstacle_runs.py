@@ -97,7 +97,12 @@ def run_drake(
         )
         recipe.AddIngredient(kind.JointCenteringCost(centre))
     limits = JointLimits(
-        arm.lower, arm.upper, -arm.velocity, arm.velocity, -np.full(n, 1e9), np.full(n, 1e9)
+        arm.lower,
+        arm.upper,
+        -arm.velocity_limits,
+        arm.velocity_limits,
+        -np.full(n, 1e9),
+        np.full(n, 1e9),
     )
     margins = kind.JointVelocityLimitConstraint.Config(min_margin=0.0, influence_margin=0.1)
     recipe.AddIngredient(kind.JointVelocityLimitConstraint(margins, limits))

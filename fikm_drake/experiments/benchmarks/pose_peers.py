@@ -65,7 +65,7 @@ def _drake_integrator(arm: DhArm, start: Array, rate: float) -> Run:
     parameters.set_time_step(1.0 / rate)
     parameters.set_nominal_joint_position(start)
     parameters.set_joint_position_limits((arm.lower, arm.upper))
-    parameters.set_joint_velocity_limits((-arm.velocity, arm.velocity))
+    parameters.set_joint_velocity_limits((-arm.velocity_limits, arm.velocity_limits))
     system = DifferentialInverseKinematicsIntegrator(
         plant, plant.GetFrameByName("tool"), 1.0 / rate, parameters
     )
