@@ -1,6 +1,6 @@
 """What a search needs to know: the chain with its reach as the unit of length, targets' kind, limits."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
 from fikm_drake.kinematics.serial_chain import SerialChain
+from fikm_drake.kinematics.unit_chain import joint_units, unit_chain
 from fikm_drake.solvers.batch.batch_targets import TASKS
 from fikm_drake.solvers.batch.descent import LENGTH
 from fikm_drake.solvers.batch.posture_pool import SIZE, PosturePool, start_range
@@ -48,25 +49,12 @@ class Problem:
     @cached_property
     def unit(self) -> Array:
         """(n,): 1 for a joint that turns; the reach [m] for one that slides."""
-        return np.where(self.chain.revolute, 1.0, self.chain.reach)
+        return joint_units(self.chain)
 
     @cached_property
     def normal(self) -> SerialChain:
         """The chain with lengths divided by its reach, so that arms of all sizes are alike."""
-        chain, unit = self.chain, self.unit
-        before, tool = chain.before.copy(), chain.tool.copy()
-        before[:, :3, 3] /= chain.reach
-        tool[:3, 3] /= chain.reach
-        return replace(
-            chain,
-            before=before,
-            tool=tool,
-            lower=chain.lower / unit,
-            upper=chain.upper / unit,
-            default_position=np.clip(
-                chain.default_position / unit, chain.lower / unit, chain.upper / unit
-            ),
-        )
+        return unit_chain(self.chain)
 
     @cached_property
     def normal_tolerance(self) -> tuple[float, float]:

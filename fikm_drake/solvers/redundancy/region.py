@@ -118,7 +118,7 @@ class TracedRegion:
                 q[k], bounds[:, k] = self._middle_of(motion)
         q = np.clip(q, self._lower, self._upper)  # of what rounding has left outside
         distance, turn = tool_errors(self._arm, self._task, q, poses)
-        return Middle(q, (distance < MET) & (turn < MET), *bounds)
+        return Middle(q, (distance < MET * self._arm.chain.reach) & (turn < MET), *bounds)
 
     def _middle_of(self, motion: SelfMotion) -> tuple[Array, tuple[float, float]]:
         """The posture in the middle of the widest interval of a self-motion, and the interval."""

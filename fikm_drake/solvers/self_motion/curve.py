@@ -26,7 +26,7 @@ SEARCH_STEPS = 40
 LONGEST = 0.5
 """Step of that search [rad or m]."""
 FOUND = 1e-6
-"""Error at which Newton's method takes over from it [m]."""
+"""Error at which Newton's method takes over from it [lever]."""
 DAMPING = 1e-2
 """Damping of that search, times the square of the error."""
 OPTIONS = CurveOptions(
@@ -80,7 +80,7 @@ class SelfMotionCurve:
         return SelfMotionCurve, (self.task, self.target, self.start)
 
     def linearise(self, q: Array) -> tuple[Array, Array]:
-        """Error (k−1,) [m] and Jacobian (k−1,k) at the moving joints' positions (k,)."""
+        """Error (k−1,) [lever] and Jacobian (k−1,k) at the moving joints' positions (k,)."""
         self._q[self.task.moving] = q
         return self.task.error_and_jacobian(self.target, self._q)
 

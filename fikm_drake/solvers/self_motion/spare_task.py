@@ -25,7 +25,9 @@ SAMPLES = 8
 RANK = 1e-9
 """Singular values under this, relative to the largest, are zero."""
 MET = 1e-9
-"""Error of a row that no joint moves [m]: more is out of reach."""
+"""Error of a row that no joint moves [lever]: more is out of reach."""
+TURN = 0.3
+"""A turn of 1 rad counts as this much [lever]."""
 
 
 class SpareTask:
@@ -33,7 +35,8 @@ class SpareTask:
 
     Its equations are the rows of the task that the arm can move at all, so a planar arm may have
     the task `pose`: its three rows count. Joints that do not move the tool (a gripper's) stay where
-    they are; the others are the *moving* joints, k of them, and there are k − 1 equations.
+    they are; the others are the *moving* joints, k of them, and there are k − 1 equations. Their unit of
+    length is the *lever*, the longest that some random postures show, so that arms of all sizes are alike.
 
     Args:
         arm_or_plant: the arm; a chain, such as one of the joints of a plant that holds more; or a
@@ -102,13 +105,15 @@ class SpareTask:
     def _set_rows(self, lower: Array, upper: Array) -> None:
         """Find the joints that move the tool, and the combinations of rows that they move."""
         rows = self.task.rows
-        scale = np.array([self.task.characteristic_length] * 3 + [1.0] * 3)
-        select = np.diag(scale)[rows]
         low, high = _search_range(lower, upper)
         draws = np.random.default_rng(0).uniform(low, high, (SAMPLES, len(lower)))
         self.moving: NDArray[np.intp] = np.arange(len(lower))
         """(k,) indices of the joints that move the tool."""
-        J = np.array([select @ self._jacobian(draw) for draw in draws])
+        whole = np.array([self._jacobian(draw) for draw in draws])
+        levers = np.linalg.norm(whole[:, 3:], axis=1)[np.abs(whole[:, :3]).max(axis=1) > 0.5]
+        lever = float(levers.max(initial=0.0)) or 1.0  # only joints that slide: [m]
+        select = np.diag([TURN] * 3 + [1.0 / lever] * 3)[rows]
+        J = select @ whole
         largest = np.abs(J).max()
         self.moving = np.flatnonzero(np.abs(J).max(axis=(0, 1)) > RANK * largest)
         left, singular, _ = np.linalg.svd(np.concatenate(list(J), axis=1))
@@ -161,7 +166,7 @@ class SpareTask:
         return RigidTransform(position)
 
     def error_and_jacobian(self, target: RigidTransform, q: Array) -> tuple[Array, Array]:
-        """Error (k−1,) [m] and Jacobian (k−1,k) at all joints' positions (n,), rotations in m."""
+        """Error (k−1,) [lever] and Jacobian (k−1,k) at all joints' positions (n,)."""
         J = self._jacobian(q)
         return self._rows @ self._error(target), self._rows @ J
 
