@@ -10,8 +10,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.checks import check_finites
 from fikm_drake.fuzzy.integer import IntegerPartition, fit_singletons
 from fikm_drake.fuzzy.integer.integer_rule_base import Conjunction
-from fikm_drake.kinematics.dh_arm import DhArm
-from fikm_drake.kinematics.dh_table import DhTable
+from fikm_drake.kinematics.serial_chain import HasChain, SerialChain, as_chain
 from fikm_drake.solvers.solver import solve_batch
 from fikm_drake.solvers.workplane.workplane import Workplane
 
@@ -23,7 +22,7 @@ class WorkplaneInverse:
     """Joint positions that bring an arm's tool to points of a workplane, by `solve_batch`.
 
     Args:
-        arm: any arm of revolute joints.
+        arm: any arm of revolute joints, a `DhArm` or a chain such as of `SerialChain.from_plant`.
         workplane: the workplane, in the arm's base frame; it is copied.
         initial_position: joint positions (n,) from which every point is searched for, so that
             neighbouring points get neighbouring postures [rad].
@@ -33,14 +32,16 @@ class WorkplaneInverse:
             `Workplane.validate`.
     """
 
-    def __init__(self, arm: DhArm, workplane: Workplane, initial_position: ArrayLike) -> None:
+    def __init__(
+        self, arm: SerialChain | HasChain, workplane: Workplane, initial_position: ArrayLike
+    ) -> None:
         workplane.validate()
-        for name, kind in zip(arm.chain.joint_names, arm.chain.kinds):
+        self.chain = chain = as_chain(arm)
+        for name, kind in zip(chain.joint_names, chain.kinds):
             if kind != "revolute":
-                raise ValueError(f"all joints must be revolute, {name} of {arm.name!r} is not")
-        self.arm = arm
+                raise ValueError(f"all joints must be revolute, {name} of {chain.name!r} is not")
         self._workplane = copy.deepcopy(workplane)
-        start = check_finites("initial_position", initial_position, arm.num_joints, "rad")
+        start = check_finites("initial_position", initial_position, chain.num_joints, "rad")
         self._initial_position = np.array(start)
 
     @property
@@ -63,14 +64,14 @@ class WorkplaneInverse:
         points = np.asarray(points, dtype=float)
         targets = self._workplane.to_world(points).reshape(-1, 3)
         solution = solve_batch(
-            self.arm, targets, initial_position=self._initial_position, tolerance=1e-6
+            self.chain, targets, initial_position=self._initial_position, tolerance=1e-6
         )
         check_reached(solution.success.reshape(points.shape[:-1]), points)
         return solution.q.reshape(*points.shape[:-1], -1)
 
     def reached(self, q: ArrayLike) -> Array:
         """x, y and height over the workplane (…,3) [mm] of the tool at joint positions (…,n)."""
-        return self._workplane.from_world(self.arm.forward_kinematics(q)[..., :3, 3])
+        return self._workplane.from_world(self.chain.forward_kinematics(q)[..., :3, 3])
 
     def singletons(
         self, labels: tuple[int, int], conjunction: Conjunction, *, least_squares: bool
@@ -107,6 +108,12 @@ HEADING = (-1.01, -0.41)
 """Heading of the hand at the near and at the far edge [rad]: with these, Table 1's labels agree in order."""
 
 
+SAMPLES = 5
+"""Postures at which an arm's geometry is compared."""
+ALIKE = 1e-9
+"""How far the tool may be from where the geometry has it [reach]."""
+
+
 class TiltedPlaneInverse(WorkplaneInverse):
     """Joint positions of an arm like `tojo4dof` at points of a workplane, in closed form.
 
@@ -126,10 +133,15 @@ class TiltedPlaneInverse(WorkplaneInverse):
     """
 
     def __init__(
-        self, arm: DhArm, workplane: Workplane, *, heading: tuple[float, float] = HEADING
+        self,
+        arm: SerialChain | HasChain,
+        workplane: Workplane,
+        *,
+        heading: tuple[float, float] = HEADING,
     ) -> None:
-        super().__init__(arm, workplane, arm.default_position)
-        self._lengths = _link_lengths(arm.table)
+        chain = as_chain(arm)
+        super().__init__(chain, workplane, chain.default_position)
+        self._lengths = _link_lengths(chain)
         self._heading = check_finites("heading", heading, 2, "rad")
 
     def __call__(self, points: ArrayLike) -> Array:
@@ -149,16 +161,22 @@ class TiltedPlaneInverse(WorkplaneInverse):
         return np.stack([pitch, roll, elbow, roll - elbow - heading], axis=-1)
 
 
-def _link_lengths(table: DhTable) -> tuple[float, float, float]:
-    """Upper arm, forearm and hand [m]; ValueError unless the table has the geometry."""
-    rows = [*table.joints, table.tool]
-    right = np.pi / 2
-    angles = [(right, -right), (-right, 0.0), (2 * right, 0.0), (0.0, 0.0), (0.0, 0.0)]
-    if not (
-        table.convention == "craig"
-        and len(rows) == len(angles)
-        and np.allclose([(row.alpha, row.theta) for row in rows], angles, rtol=0, atol=1e-12)
-        and not any((rows[0].a, rows[1].a, *(row.d for row in rows)))
-    ):
-        raise ValueError(f"arm {table.name!r} does not have the geometry of 'tojo4dof'")
-    return rows[2].a, rows[3].a, rows[4].a
+def _link_lengths(chain: SerialChain) -> tuple[float, float, float]:
+    """Upper arm, forearm and hand [m]; ValueError unless the tool moves as that of `tojo4dof`."""
+    if chain.num_joints == 4:
+        X = chain.link_poses(np.zeros(4))
+        ends = np.array([*X[2:, :3, 3], chain.forward_kinematics(np.zeros(4))[:3, 3]])
+        links = np.cross(
+            X[1:, :3, 2], ends - X[1:, :3, 3]
+        )  # across the axes, wherever frames stand
+        upper, fore, hand = np.linalg.norm(links, axis=1).tolist()
+        q = np.random.default_rng(0).uniform(-1.0, 1.0, (SAMPLES, 4))
+        pitch, roll, elbow, wrist = q.T
+        turns = np.array([roll, roll - elbow, roll - elbow - wrist])
+        lengths = np.array([upper, fore, hand])
+        ahead, left = lengths @ np.cos(turns), lengths @ np.sin(turns)
+        there = np.stack([ahead * np.sin(pitch), left, -ahead * np.cos(pitch)], axis=-1)
+        away = np.abs(chain.forward_kinematics(q)[:, :3, 3] - there).max()
+        if away < ALIKE * chain.reach:
+            return upper, fore, hand
+    raise ValueError(f"arm {chain.name!r} does not have the geometry of 'tojo4dof'")

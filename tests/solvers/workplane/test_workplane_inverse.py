@@ -48,25 +48,39 @@ def test_other_lengths_desk_and_heading():
     np.testing.assert_allclose(reached[..., 2], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("kind", [fd.WorkplaneInverse, fd.TiltedPlaneInverse])
+def test_an_arm_of_a_plant_is_taken_as_its_table_is(tojo, kind):
+    """A chain out of a plant has other frames on the same axes: the joints go where the table's go."""
+    chain = fd.SerialChain.from_plant(fd.MakeDhArmPlant(fd.load_arm("tojo4dof")), "tool")
+    points = tojo.workplane.grid()[::100, ::100]
+    start = () if kind is fd.TiltedPlaneInverse else (tojo([200, 150]),)
+    inverse = kind(chain, tojo.workplane, *start)
+    q = inverse(points)
+    np.testing.assert_allclose(tojo.reached(q), inverse.reached(q), atol=1e-9)
+    np.testing.assert_allclose(inverse.reached(q)[..., :2], points, atol=2e-3)
+    singletons = inverse.singletons((3, 3), "min", least_squares=False)[2]
+    assert singletons.shape == (3, 3, 4)
+
+
 def test_a_point_out_of_reach_is_named(tojo):
     with pytest.raises(ValueError, match=r"does not reach the point \(900, 40\) mm"):
         tojo([[10, 10], [900, 40], [950, 40]])
     far = fd.Workplane(origin=[2.0, 0.0, 0.0])
     with pytest.raises(ValueError, match=r"\(0, 0\) mm"):
-        fd.IntegerFuzzyIk(fd.TiltedPlaneInverse(tojo.arm, far))
+        fd.IntegerFuzzyIk(fd.TiltedPlaneInverse(tojo.chain, far))
 
 
 def test_another_geometry_is_refused(tojo):
     with pytest.raises(ValueError, match="'panda' does not have the geometry of 'tojo4dof'"):
         fd.TiltedPlaneInverse(fd.load_arm("panda"), tojo.workplane)
-    table = tojo.arm.table
+    table = fd.load_arm("tojo4dof").table
     table.joints[1].d = 0.01
     with pytest.raises(ValueError, match="geometry"):
         fd.TiltedPlaneInverse(fd.DhArm(table), tojo.workplane)
 
 
 def test_prismatic_joints_are_refused(tojo):
-    table = tojo.arm.table
+    table = fd.load_arm("tojo4dof").table
     table.joints[2].type = "prismatic"
     for make in (
         fd.TiltedPlaneInverse,
@@ -97,7 +111,7 @@ def test_desks_are_copied_and_checked(tojo):
     workplane.size[0] = 999
     assert tojo.workplane.size == [400, 300]
     with pytest.raises(ValueError, match="size"):
-        fd.WorkplaneInverse(tojo.arm, dataclasses.replace(workplane, size=[0, 1]), np.zeros(4))
+        fd.WorkplaneInverse(tojo.chain, dataclasses.replace(workplane, size=[0, 1]), np.zeros(4))
 
 
 @pytest.mark.parametrize("points", [[], [1.0], [[1.0, 2.0, 3.0]], None])
@@ -109,4 +123,4 @@ def test_points_of_another_shape_are_named(tojo, points):
 @pytest.mark.parametrize("start", [[0.0], [np.nan] * 4, None, "home"])
 def test_bad_initial_position_is_named(tojo, start):
     with pytest.raises(ValueError, match="initial_position must be 4 finite numbers"):
-        fd.WorkplaneInverse(tojo.arm, tojo.workplane, start)
+        fd.WorkplaneInverse(tojo.chain, tojo.workplane, start)

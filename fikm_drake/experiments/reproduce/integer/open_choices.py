@@ -17,6 +17,7 @@ from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.fuzzy.integer import IntegerPartition, IntegerRuleBase
 from fikm_drake.fuzzy.integer.integer_partition import Rounding
 from fikm_drake.kinematics.dh_arm import DhArm
+from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import tojo_inverse
 from fikm_drake.solvers.workplane.workplane_inverse import HEADING, TiltedPlaneInverse
 
@@ -47,8 +48,7 @@ class Choice:
 
     def inverse(self) -> TiltedPlaneInverse:
         """The person as a model."""
-        ours = tojo_inverse()
-        table, workplane = ours.arm.table, ours.workplane
+        table, workplane = load_arm("tojo4dof").table, tojo_inverse().workplane
         joints = [replace(row, a=self.size * row.a) for row in table.joints]
         tool = replace(table.tool, a=self.size * table.tool.a)
         workplane.origin[0] -= self.nearer

@@ -146,7 +146,7 @@ def many_joints(
     for k in range(joints // 4):
         workplane = own.workplane
         workplane.origin[1] += ASIDE * k
-        inverse = TiltedPlaneInverse(own.arm, workplane)
+        inverse = TiltedPlaneInverse(own.chain, workplane)
         first, second, found = inverse.singletons(labels, conjunction, least_squares=False)
         positions.append(found)
     steps = np.rint(np.rad2deg(np.concatenate(positions, axis=-1)) / RESOLUTION)

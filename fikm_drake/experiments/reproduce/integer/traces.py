@@ -113,8 +113,8 @@ def _figure(traces: dict[str, Trace], inverse: WorkplaneInverse) -> Figure:
 def _plot_from_above(axes: Axes, run: Trace, inverse: WorkplaneInverse) -> None:
     """Wanted and reached path on the workplane, and the arm at eight moments [mm]."""
     for q in run.position[:: max(1, len(run.position) // 8)]:
-        joints = inverse.arm.link_poses(q)[:, :3, 3]
-        tool = inverse.arm.forward_kinematics(q)[:3, 3]
+        joints = inverse.chain.link_poses(q)[:, :3, 3]
+        tool = inverse.chain.forward_kinematics(q)[:3, 3]
         x, y, _ = inverse.workplane.from_world(np.vstack([joints, tool])).T
         axes.plot(x, y, "o-", color="0.75", linewidth=1, markersize=3)
     axes.plot(*run.desired.T, "k--", linewidth=1, label="wanted")
