@@ -5,18 +5,24 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.control.clearance_config import ClearanceConfig
-from fikm_drake.control.near_pairs import Near
+from fikm_drake.control.near_pairs import UNFELT, Near
 from fikm_drake.control.row_projection import (
+    FREE,
+    SOFT,
+    TINY,
     kept,
     project,
-    shortened_toward,
+    shortened,
     task_metric,
     with_box,
 )
 from fikm_drake.fuzzy.rule_base import RuleBase
+from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel
+from fikm_drake.kinematics.native.native_clearance import NativeClearStep
 
 LOSS = 2.5e-4
 """A step may end this much nearer than the safe distance [m]."""
@@ -64,6 +70,39 @@ class ClearStep:
         self.least_share = float(1.0 - np.exp(-rates.consequents.min() * period))
         self.tolerance = 0.1 * LOSS * self.least_share
 
+    def native(
+        self, columns: NDArray[np.int64], positions: int, loaded: Kernel | None
+    ) -> NativeClearStep | None:
+        """The same by the native kernel; None: there is none.
+
+        Args:
+            columns: where the arm's joints stand in the positions of the checker's plant (n,).
+            positions: how many that has.
+            loaded: the kernel.
+        """
+        if loaded is None or len(columns) > MOST_JOINTS:
+            return None
+        config, table = self.config, self.rates
+        nothing, something = USELESS
+        numbers = {
+            "safe": config.safe_distance,
+            "zone": config.zone,
+            "period": self.period,
+            "retreat": config.retreat_speed,
+            "tolerance": self.tolerance,
+            "least_share": self.least_share,
+            "loss": LOSS,
+            "free": FREE,
+            "soft": SOFT,
+            "tiny": TINY,
+            "unfelt": UNFELT,
+            "blocking": BLOCKED,
+            "nothing": nothing,
+            "something": something,
+        }
+        parts = table.first.knots, table.second.knots, table.consequents
+        return NativeClearStep(loaded, columns, positions, self.reach, parts, numbers)
+
     def __call__(
         self,
         step: Array,
@@ -88,17 +127,20 @@ class ClearStep:
             bounds: tells both where the step is inside them.
             moved: what others did to the distances in the last cycle (k,) [m].
         """
-        step = shortened_toward(step, low, high)
+        step = shortened(step, low, high)
         zone = self.config.zone
         way = float(np.abs(step).dot(self.reach))
         if way > zone:
             step = step * (zone / way)
         distances, rows = near.distances, near.rows
-        if not len(distances):
-            return Cleared(step, inf, False, NO_ROW)
-        distance = float(distances.min())
+        distance = float(distances.min(initial=inf))
         gaps, change = distances - self.config.safe_distance, rows.dot(step)
-        if moved is None and (change >= -self.least_share * gaps).all() and gaps.min() >= 0.0:
+        quiet = (
+            moved is None
+            and gaps.min(initial=0.0) >= 0.0
+            and (change >= -self.least_share * gaps).all()
+        )
+        if quiet and (low is None or high is None or inside(step, low, high)):
             return Cleared(step, distance, False, NO_ROW)
         least = self._least_changes(gaps, change, moved)
         if bounds is not None:
@@ -156,6 +198,11 @@ class ClearStep:
             else:
                 step = 0.5 * step
         return np.zeros(len(step))
+
+
+def inside(step: Array, low: Array, high: Array) -> bool:
+    """True if a step (n,) is inside its bounds."""
+    return bool(((step >= low) & (step <= high)).all())
 
 
 def _use(asked: Array, left: Array) -> float:

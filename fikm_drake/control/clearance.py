@@ -5,19 +5,20 @@ from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from pydrake.planning import CollisionChecker
+from pydrake.planning import CollisionChecker, RobotClearance
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
-from fikm_drake.control.clear_step import LOSS, Bounds, ClearStep
+from fikm_drake.control.clear_step import LOOKS, LOSS, Bounds, ClearStep
 from fikm_drake.control.clearance_config import (
     ClearanceConfig,
     clearance_table,
     load_clearance_rules,
 )
-from fikm_drake.control.near_pairs import Near, NearPairs
+from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
 from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
+from fikm_drake.kinematics.native.kernel import kernel
 from fikm_drake.kinematics.plant_arm import PlantArm
 
 NONE = (-1, -1)
@@ -33,6 +34,21 @@ class ClearanceInfo(NamedTuple):
     """Obstacles take away half of the step, or more."""
     pair: tuple[int, int] = NONE
     """Indices of the two bodies whose row pushes most, in the checker's plant; −1: none does."""
+
+
+class Around(NamedTuple):
+    """What is near at joint positions."""
+
+    q: Array
+    """(n,) [rad or m]."""
+    others: Array | None
+    """Positions of all in the checker's plant that is not the arm (p,); None: the defaults."""
+    found: RobotClearance
+    """What the checker said."""
+    near: Near | None
+    """The pairs that the arm's joints move; None: the native kernel has them."""
+    pairs: int
+    """How many they are."""
 
 
 class Clearance:
@@ -82,6 +98,7 @@ class Clearance:
         rates = clearance_table(load_clearance_rules(config.rules))
         reach = joint_reach(checker, self.near.indices)
         self._clear = ClearStep(config, self._period, rates, reach)
+        self._native = self._clear.native(self.near.indices, self.near.num_positions, kernel())
 
     @property
     def period(self) -> float:
@@ -116,6 +133,19 @@ class Clearance:
         """Scoped names of the bodies of a pair; empty for no pair."""
         return self.near.names(pair)
 
+    def around(self, q: Array, others: Array | None = None) -> Around | None:
+        """What is near q (n,); None if it, or where others are (p,), is not finite."""
+        if not all_finite(q) or (others is not None and not all_finite(others)):
+            return None
+        found = self.near.ask(q, others)
+        count, near = -1, None
+        if self._native:
+            count = self._native.take(found, self.near.padded)
+        if count < 0:
+            near = self.near.of(found, q, others)
+            count = len(near.distances)
+        return Around(q, others, found, near, count)
+
     def __call__(
         self,
         q: Array,
@@ -144,15 +174,47 @@ class Clearance:
         Returns:
             The step; zeros if `q` or the step is not finite.
         """
-        if not (all_finite(q) and all_finite(step)):
+        around = self.around(q, others)
+        if around is None or not all_finite(step):
             return np.zeros(len(q)), ClearanceInfo()
-        if others is not None and not all_finite(others):
-            return np.zeros(len(q)), ClearanceInfo()
-        near = self.near(q, others)
-        moved = self._moved(q, near, others, others_before)
-        after = others
-        if moved is not None and others is not None and others_before is not None:
-            after = others + (others - others_before)
+        return self.keep(
+            around, step, J=J, low=low, high=high, bounds=bounds, others_before=others_before
+        )
+
+    def keep(
+        self,
+        around: Around,
+        step: Array,
+        *,
+        J: Array | None = None,
+        low: Array | None = None,
+        high: Array | None = None,
+        bounds: Bounds | None = None,
+        others_before: Array | None = None,
+    ) -> tuple[Array, ClearanceInfo]:
+        """What a call does, by what is known to be near; the step (n,) is finite."""
+        q, others, found, near, _ = around
+        after, moved = others, None
+        if others is not None and others_before is not None:
+            moved = self._moved(q, found, others, others_before)
+            if moved is not None:
+                after = others + (others - others_before)
+        if self._native and near is None:
+            answer = self._native(
+                step,
+                found,
+                lambda taken: self.near.ask(q + taken, after),
+                LOOKS,
+                J=J,
+                low=low,
+                high=high,
+                bounds=bounds,
+                moved=moved,
+            )
+            if answer is not None:
+                pair = pair_of(found, answer.row) if answer.row >= 0 else NONE
+                return answer.step, ClearanceInfo(answer.distance, answer.blocked, pair)
+        near = self.near.of(found, q, others) if near is None else near
         cleared = self._clear(
             step,
             near,
@@ -161,32 +223,31 @@ class Clearance:
             low=low,
             high=high,
             bounds=bounds,
-            moved=moved,
+            moved=None if moved is None else moved[near.places],
         )
-        pair = near.bodies(cleared.row) if cleared.row >= 0 else NONE
+        pair = pair_of(found, int(near.places[cleared.row])) if cleared.row >= 0 else NONE
         return cleared.step, ClearanceInfo(cleared.distance, cleared.blocked, pair)
 
-    def _moved(
-        self, q: Array, near: Near, others: Array | None, before: Array | None
-    ) -> Array | None:
-        """What the motion of others in the last cycle changed of the distances (k,) [m]."""
-        if others is None or before is None or not np.isfinite(before).all():
+    def _moved(self, q: Array, found: RobotClearance, others: Array, before: Array) -> Array | None:
+        """What the motion of others in the last cycle changed of the distances found (k,) [m]."""
+        if not all_finite(before) or (others == before).all():
             return None
-        if (others == before).all():
-            return None
-        then: dict[tuple[int, int], list[float]] = {}
-        found = self.near(q, before, 2.0 * self.config.influence_distance)
-        for i, d in enumerate(found.distances.tolist()):
-            then.setdefault(found.bodies(i), []).append(d)
+        farthest = 2.0 * self.config.influence_distance
+        was, now = _nearest(self.near.ask(q, before, farthest)), _nearest(found)
         changes = []
-        for i, d in enumerate(near.distances.tolist()):
-            # Pairs of bodies with several shapes: the nearest are compared.
-            was = min(then.get(near.bodies(i), [2.0 * self.config.influence_distance]))
-            now = min(
-                x for j, x in enumerate(near.distances.tolist()) if near.bodies(j) == near.bodies(i)
-            )
-            changes.append(max(min(now - was, d), -self.config.influence_distance))
-        return np.array(changes)
+        for i, d in enumerate(found.distances().tolist()):
+            pair = pair_of(found, i)
+            changes.append(min(now[pair] - was.get(pair, farthest), d))
+        return np.maximum(changes, -self.config.influence_distance)
+
+
+def _nearest(found: RobotClearance) -> dict[tuple[int, int], float]:
+    """The least distance of each pair of bodies, which may have several shapes."""
+    least: dict[tuple[int, int], float] = {}
+    for i, d in enumerate(found.distances().tolist()):
+        pair = pair_of(found, i)
+        least[pair] = min(d, least.get(pair, inf))
+    return least
 
 
 def make_clearance(

@@ -10,7 +10,8 @@ In tick k the joints are at q, their command is θ, and
                                              what a joint at its bound may not do the others do;
                                              what it leaves free of the null-space motion is added;
                                              on the way to another posture that way instead
-    dθ = clearance(q, dθ)                    the nearest one that keeps clear of obstacles
+    dθ = clearance(q, dθ)                    the nearest one that keeps clear of obstacles; where they are
+                                             near it sees to the limits too
     dθ = guard(dθ)                           the last word: finite, not too long, inside the limits of
                                              position, speed and acceleration; nothing is added after it
     θ = θ + dθ                               with limits of jerk the mean of the last θ goes out
@@ -41,7 +42,7 @@ from fikm_drake.control.status import (
     controller_status,
     follows,
 )
-from fikm_drake.control.steps import amplify, length, low_pass
+from fikm_drake.control.steps import all_finite, amplify, length, low_pass
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws import Law, LawLike, checked_law
@@ -220,7 +221,11 @@ class ControlCycle:
         step, limited, cleared = self._hold, False, UNTOUCHED
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
-            step, limited = self.safe_step.inside(q, J, filtered_error, box, damping)
+            around = self.clearance.around(q, others) if self.clearance else None
+            alone = around is None or around.pairs == 0
+            step, limited = self.safe_step.inside(
+                q, J, filtered_error, box, damping, resolved=alone
+            )
             if null_space_motion is not None:
                 step = step + null_space_step(J, config.period * null_space_motion)
             if self.restart:
@@ -228,16 +233,18 @@ class ControlCycle:
             if self.clearance:
                 sure = box.surely_holds(step)
                 low, high = (None, None) if sure else box.bounds(state.velocity)
-                step, cleared = self.clearance(
-                    q,
-                    step,
-                    J=J,
-                    low=low,
-                    high=high,
-                    bounds=partial(box.bounds, state.velocity) if sure else None,
-                    others=others,
-                    others_before=state.others,
-                )
+                if around is None or not all_finite(step):
+                    step = self._hold
+                else:
+                    step, cleared = self.clearance.keep(
+                        around,
+                        step,
+                        J=J,
+                        low=low,
+                        high=high,
+                        bounds=partial(box.bounds, state.velocity) if sure else None,
+                        others_before=state.others,
+                    )
         if self.guard.surely_passes(step, box):
             taken, command = step, state.command + step
         else:

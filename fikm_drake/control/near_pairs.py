@@ -1,13 +1,14 @@
 """The pairs of bodies that are near, and how their distances change, by Drake's collision checker."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.multibody.tree import BodyIndex
-from pydrake.planning import CollisionChecker
+from pydrake.planning import CollisionChecker, RobotClearance
 
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.checker_joints import checker_indices
@@ -19,14 +20,14 @@ UNFELT = 1e-18
 
 
 class Near(NamedTuple):
-    """The pairs of bodies that are nearer than the influence distance."""
+    """The pairs of bodies that are nearer than the influence distance and that the arm's joints change."""
 
     distances: Array
     """(k,) [m], negative in penetration."""
     rows: Array
     """Their derivatives by the arm's joints (k,n)."""
-    bodies: Callable[[int], tuple[int, int]]
-    """Indices of the two bodies of row i in the checker's plant."""
+    places: NDArray[np.int64]
+    """Where they stand in what the checker said (k,)."""
 
 
 class NearPairs:
@@ -75,31 +76,50 @@ class NearPairs:
             others: the positions of all else (p,); None: the plant's defaults.
             within: another distance than the influence distance [m]; 0: that.
         """
-        full = q
-        if not self._alone:
-            full = self._default.copy()
-            full[self.indices] = q
-            if others is not None:
-                full[self._others] = others
-        found = self._calc(self._scratch.context, full, within or self._influence)
+        return self.of(self.ask(q, others, within), q, others)
+
+    def ask(self, q: Array, others: Array | None = None, within: float = 0.0) -> RobotClearance:
+        """What the checker says; the arguments are those of a call.
+
+        Its rows are the derivatives by all positions of its plant; the arm's joints do not change all pairs.
+        """
+        full = self._full(q, others)
+        return self._calc(self._scratch.context, full, within or self._influence)
+
+    def of(self, found: RobotClearance, q: Array, others: Array | None = None) -> Near:
+        """The pairs in what the checker said."""
         distances, rows = found.distances(), np.array(found.jacobians())
-
-        def bodies(i: int) -> tuple[int, int]:
-            return int(found.robot_indices()[i]), int(found.other_indices()[i])
-
         if not self._alone:
             rows = rows[:, self.indices]
         squares = np.einsum("ij,ij->i", rows, rows)
-        felt = (squares > UNFELT) & (squares < inf)
-        near = Near(distances, rows, bodies)
-        if not felt.all():
-            ours = np.flatnonzero(felt)
-            near = Near(distances[ours], rows[ours], lambda i: bodies(int(ours[i])))
-        if len(near.distances) and near.distances.min() < 0.0 and self._padded() > 0.0:
-            self._turn_rows(full, near)
+        felt = np.flatnonzero((squares > UNFELT) & (squares < inf))
+        near = Near(distances, rows, felt)
+        if len(felt) < len(distances):
+            near = Near(distances[felt], rows[felt], felt)
+        if len(felt) and near.distances.min() < 0.0 and self.padded:
+            self._turn_rows(q, others, found, near)
         return near
 
-    def _turn_rows(self, full: Array, near: Near) -> None:
+    @property
+    def num_positions(self) -> int:
+        """Of the checker's plant."""
+        return len(self._default)
+
+    @property
+    def padded(self) -> bool:
+        """The checker has paddings."""
+        return self._padded() > 0.0
+
+    def _full(self, q: Array, others: Array | None) -> Array:
+        if self._alone:
+            return q
+        full = self._default.copy()
+        full[self.indices] = q
+        if others is not None:
+            full[self._others] = others
+        return full
+
+    def _turn_rows(self, q: Array, others: Array | None, found: RobotClearance, near: Near) -> None:
         """Turn rows that point into an obstacle.
 
         Drake 1.51 to 1.58 turn a row the wrong way while only the padding is penetrated, where the distance
@@ -108,12 +128,11 @@ class NearPairs:
         for i in np.flatnonzero(near.distances < 0.0).tolist():
             row, d = near.rows[i], float(near.distances[i])
             size = float(np.linalg.norm(row))
-            moved = full.copy()
-            moved[self.indices] += AHEAD * row / size
-            found = self._calc(self._scratch.context, moved, self._influence)
-            pairs = zip(found.robot_indices(), found.other_indices(), found.distances().tolist())
-            pair = near.bodies(i)
-            changes = [x - d for a, b, x in pairs if (int(a), int(b)) == pair]
+            moved = self.ask(q + AHEAD * row / size, others)
+            pair = pair_of(found, int(near.places[i]))
+            changes = [
+                x - d for j, x in enumerate(moved.distances().tolist()) if pair_of(moved, j) == pair
+            ]
             if changes and min(changes, key=lambda x: abs(abs(x) - AHEAD * size)) < 0.0:
                 near.rows[i] = -row
 
@@ -123,6 +142,11 @@ class NearPairs:
             return "", ""
         one, two = (self._plant.get_body(BodyIndex(i)).scoped_name().get_full() for i in pair)
         return one, two
+
+
+def pair_of(found: RobotClearance, i: int) -> tuple[int, int]:
+    """Indices of the two bodies of a row in the checker's plant."""
+    return int(found.robot_indices()[i]), int(found.other_indices()[i])
 
 
 class _Scratch(threading.local):

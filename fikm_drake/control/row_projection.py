@@ -89,15 +89,17 @@ def task_metric(J: Array) -> Array:
     return np.eye(J.shape[1]) - J.T.dot(np.linalg.solve(square, J))
 
 
-def shortened_toward(step: Array, low: Array | None, high: Array | None) -> Array:
-    """The step, shortened as a whole toward what its joints may do, at most to a hundredth."""
-    excess = 1.0
-    for limit in (low, high):
-        if limit is not None:
-            ahead = (step * limit > 0.0) & np.isfinite(limit)
-            if ahead.any():
-                excess = max(excess, float((step[ahead] / limit[ahead]).max()))
-    return step / min(excess, 100.0) if excess > 1.0 else step
+def shortened(step: Array, low: Array | None, high: Array | None) -> Array:
+    """The step, shortened as a whole to the larger of what each joint may do to the two sides.
+
+    That is its speed; a limit of position that is ahead is left to the rows of `with_box`.
+    """
+    if low is None or high is None:
+        return step
+    most = np.maximum(np.abs(low), np.abs(high))
+    moves = most > 0.0
+    excess = float((np.abs(step[moves]) / most[moves]).max(initial=0.0))
+    return step / excess if excess > 1.0 else step
 
 
 def with_box(

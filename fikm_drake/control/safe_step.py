@@ -76,6 +76,8 @@ class SafeStep:
         error: Array,
         box: StepBox,
         damping: float | None = None,
+        *,
+        resolved: bool = True,
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
 
@@ -89,12 +91,18 @@ class SafeStep:
             error: task error (m,) [m].
             box: what the joints may do.
             damping: for a law that takes it [-], else None.
+            resolved: False: the step keeps its direction, and limits are left to what follows, since
+                it knows of more than they are (`Clearance`).
         """
         free, weights, secondary = self._free(q, J, error, damping)
         short = self._short(free, error, J)
         if box.surely_holds(short):
             return short, False
         limits, (low, high) = box.limits, box.steady_bounds
+        if not resolved:
+            step = limits.brakeable(short)
+            inside = (np.minimum(np.maximum(step, low), high) == step).all()
+            return step, step is not short or not inside
         more = () if damping is None else (damping,)
 
         def solve(J: Array, error: Array) -> Array:

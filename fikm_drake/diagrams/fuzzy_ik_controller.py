@@ -149,6 +149,7 @@ class FuzzyIkController(Diagram):
                 nominal_position=config.nominal_position,
                 singularity_nudge=config.singularity_nudge,
                 limits=limits,
+                yields=collision_checker is not None,
             ),
         )
         guard = add("guard", GuardBlock(limits, max_joint_step=config.max_joint_step))
@@ -230,6 +231,7 @@ class FuzzyIkController(Diagram):
             wire(integrator, "position", clear, "command")
             wire(integrator, "velocity", clear, "command_velocity")
             wire(clear, "blocked", status, "blocked")
+            wire(clear, "obstacles_near", ik, "obstacles_near")
             self._clear = source = clear
             seers.append(clear)
             if clear.HasInputPort("obstacle_position"):

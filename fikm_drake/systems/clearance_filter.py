@@ -31,6 +31,7 @@ class ClearanceFilter(LeafSystem):
         - clearance
         - blocked
         - blocking_bodies
+        - obstacles_near
         - valid
 
     - **asked_step** (n) [rad or m]: of a law, or another's velocity command times the period.
@@ -46,6 +47,7 @@ class ClearanceFilter(LeafSystem):
     - **blocked** (1): 1 while obstacles take away half of the step or more, else 0.
     - **blocking_bodies** (2): indices in the checker's plant of the pair that pushes most, −1 for none;
       `BlockingPair(context)` gives their names.
+    - **obstacles_near** (1): 1 while something is as near as the influence distance, else 0.
     - **valid** (1): 1 while every input is finite, else 0.
 
     Args:
@@ -73,7 +75,8 @@ class ClearanceFilter(LeafSystem):
         self._clearance, self._task, self._limits = clearance, task, limits
         self._hold = np.zeros(n)
         self._step = self.DeclareVectorInputPort("asked_step", n).Eval
-        self._position = self.DeclareVectorInputPort("position", n).Eval
+        position = self.DeclareVectorInputPort("position", n)
+        self._position = position.Eval
         if limits:
             self._command = self.DeclareVectorInputPort("command", n).Eval
             self._velocity = self.DeclareVectorInputPort("command_velocity", n).Eval
@@ -95,6 +98,12 @@ class ClearanceFilter(LeafSystem):
             ("blocking_bodies", slice(n + 2, n + 4)),
         ):
             self._declare_part(name, part)
+        seen = {position.ticket()}
+        if self._others is not None:
+            seen.add(self._others.ticket())
+        self.DeclareVectorOutputPort(
+            "obstacles_near", 1, self._calc_near, prerequisites_of_calc=seen
+        )
         declare_valid_port(self)
         if count:
             self.DeclareDiscreteState(np.full(count, np.nan))
@@ -138,6 +147,13 @@ class ClearanceFilter(LeafSystem):
         else:
             step = self._hold
         output.set_value([*step, min(info.distance, FAR), info.blocked, *info.pair])
+
+    def _calc_near(self, context: Context, output: BasicVector) -> None:
+        others = None
+        if self._others is not None and self._others.HasValue(context):
+            others = self._others.Eval(context)
+        around = self._clearance.around(self._position(context), others)
+        output[0] = around is not None and around.pairs > 0
 
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         if self._others is not None and self._others.HasValue(context):

@@ -34,6 +34,7 @@ class DifferentialIk(LeafSystem):
         - guard
         - damping
         - command
+        - obstacles_near
         output_ports:
         - joint_step
         - valid
@@ -45,6 +46,7 @@ class DifferentialIk(LeafSystem):
       filters before `task_error` would let the arm coast after the target is lost.
     - **damping** (1) [-], only if `damped`: as of `GainSupervisor`, for a law that takes it.
     - **command** (n) [rad or m], only with `limits`: of `JointIntegrator`, which adds the step to it.
+    - **obstacles_near** (1), only if `yields`: of `ClearanceFilter`; while it is 1 limits are left to that.
     - **joint_step** (n) [rad or m]: dθ of this cycle; zeros while an input is not finite.
     - **valid** (1): 1 while every input is finite, else 0.
     - **limited** (1), only with `limits`: 1 while they take away a part of the step, else 0.
@@ -66,6 +68,7 @@ class DifferentialIk(LeafSystem):
             `control.safe_step`; 0: the arm stays there.
         limits: of the joints; what one at its bound may not do the others do, see
             `control.saturation`. None: they are not seen.
+        yields: whether there is the port `obstacles_near`.
 
     Raises:
         ValueError: naming the bad value; see `PlantArm` and `TaskKinematics` too.
@@ -92,6 +95,7 @@ class DifferentialIk(LeafSystem):
         nominal_position: Sequence[float] = (),
         singularity_nudge: float = 0.0,
         limits: JointLimits | None = None,
+        yields: bool = False,
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
@@ -119,6 +123,7 @@ class DifferentialIk(LeafSystem):
         self._limits = limits
         if limits:
             self._command = self.DeclareVectorInputPort("command", n).Eval
+        self._near = self.DeclareVectorInputPort("obstacles_near", 1).Eval if yields else None
         self.DeclareVectorOutputPort(
             "joint_step",
             n,
@@ -152,4 +157,5 @@ class DifferentialIk(LeafSystem):
         if self._limits is None:
             return self._safe_step(q, J, error, damping), False
         box = StepBox(self._limits, self._command(context))
-        return self._safe_step.inside(q, J, error, box, damping)
+        alone = self._near is None or self._near(context)[0] == 0.0
+        return self._safe_step.inside(q, J, error, box, damping, resolved=alone)

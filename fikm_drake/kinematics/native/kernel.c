@@ -315,4 +315,5 @@ int PASTE(fikm_solve, ISA)(const double *chain, int n, const double *o, const do
 #ifdef SOURCE
 #include "base.h"
 #include "curve.h"
+#include "clearance.h"
 #endif

@@ -53,6 +53,7 @@ class Kernel:
             self.step = loaded.fikm_step
             self.newton, self.arrive = loaded.fikm_newton, loaded.fikm_arrive
             self.stride = loaded.fikm_stride
+            self.clear, self.clear_size = loaded.fikm_clear, loaded.fikm_clear_size
         except (AttributeError, ValueError, StopIteration) as error:
             raise OSError(f"{library} is no native kernel: {error}") from error
         self.kinematics.argtypes = [_POINTER, _INT, _LONG, _POINTER, _POINTER, _POINTER]
@@ -60,6 +61,8 @@ class Kernel:
         self.solve.argtypes = [_POINTER, _INT, _POINTER, _POINTER, _POINTER, _INT, _LONG]
         self.solve.argtypes += [_POINTER, _POINTER, _LONG, _POINTER, _POINTER]
         self.solve.restype = _INT
+        self.clear.argtypes, self.clear.restype = [_POINTER, _INT], _INT
+        self.clear_size.argtypes, self.clear_size.restype = [], _LONG
         self.step.argtypes = [_INT, _INT, _POINTER, _POINTER, *[ctypes.c_double] * 5, _POINTER]
         self.step.restype = _INT
         curve: list[Any] = [_POINTER, _INT, _POINTER, _INT, _INT, *[_POINTER] * 4]
