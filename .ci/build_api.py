@@ -45,6 +45,8 @@ def build(folder: Path) -> list[str]:
     importlib.import_module(
         "matplotlib.font_manager"
     )  # its first import asks fc-list: pdoc forbids that
+    for name in fikm_drake.__all__:  # they are loaded when they are asked for
+        getattr(fikm_drake, name)
     pdoc.render.configure(docformat="google", math=True, show_source=False)
     convert = pdoc.docstrings.convert
     pdoc.docstrings.convert = lambda docstring, *rest: convert(readable(docstring), *rest)

@@ -1,5 +1,6 @@
 """The wheel: models inside, and usable from anywhere."""
 
+import ast
 import email
 import functools
 import os
@@ -22,12 +23,31 @@ ROOT = Path(__file__).parents[1]
 SCRIPT = """
 import sys
 import fikm_drake as fd
-print([name for name in ("matplotlib", "hatchling") if name in sys.modules])
+late = ("matplotlib", "hatchling", "pydrake", "fikm_drake.control")
+print([name for name in late if name in sys.modules])
 from fikm_drake.resources import models_dir, model_names
 print(fd.__file__)
 print(models_dir())
 print(fd.load_arm("arm7").forward_kinematics([0.0] * 7)[:3, 3].round(12).tolist())
 print(all(fd.load_scenario(name).load_arm() for name in model_names("scenarios")))
+"""
+
+
+ALONE = """
+import importlib, pkgutil, sys
+import fikm_drake
+found = pkgutil.walk_packages(fikm_drake.__path__, "fikm_drake.")
+names = [m.name for m in found if not m.name.endswith(("_kernel", "__main__"))]
+failed = []
+for name in names:
+    for loaded in [loaded for loaded in sys.modules if loaded.startswith("fikm_drake")]:
+        del sys.modules[loaded]
+    try:
+        importlib.import_module(name)
+    except ImportError as error:
+        failed.append((name, str(error)))
+print(failed)
+assert len(names) > 200
 """
 
 
@@ -102,8 +122,11 @@ def test_metadata_asks_for_drake_and_numpy_only(unzipped):
 def test_metadata_is_fit_to_be_published(unzipped):
     (path,) = unzipped.glob("*.dist-info/METADATA")
     metadata = email.message_from_string(path.read_text("utf-8"))
-    urls = {line.split(",")[0] for line in metadata.get_all("Project-URL")}
-    assert {"Homepage", "Documentation", "Changelog", "Issues", "Source"} <= urls
+    # None is better than one that leads nowhere; see "Before publishing" in CONTRIBUTING.
+    urls = dict(line.split(", ") for line in metadata.get_all("Project-URL", []))
+    assert not [url for url in urls.values() if not url.startswith("https://") or ".invalid" in url]
+    if urls:
+        assert {"Homepage", "Documentation", "Changelog", "Issues", "Source"} <= set(urls)
     minors = [line.rsplit(" ", 1)[1] for line in metadata.get_all("Classifier") if "3." in line]
     assert metadata["Requires-Python"] == f">={minors[0]}"
     assert f"{sys.version_info.major}.{sys.version_info.minor}" in minors
@@ -166,6 +189,26 @@ def test_changelog_tells_of_this_version():
     assert f"## [{fikm_drake.__version__}]" in changelog
 
 
-def test_public_names_exist():
+def test_public_names_exist_and_others_do_not():
+    assert len(fikm_drake.__all__) > 150 and set(fikm_drake.__all__) <= set(dir(fikm_drake))
     for name in fikm_drake.__all__:
         assert hasattr(fikm_drake, name)
+    assert fikm_drake.control.status.ControllerStatus is fikm_drake.ControllerStatus
+    with pytest.raises(AttributeError, match="module 'fikm_drake' has no attribute 'solve_bach'"):
+        fikm_drake.__getattr__("solve_bach")
+    with pytest.raises(ImportError):
+        from fikm_drake import nothing  # noqa: F401
+
+
+def test_types_of_public_names_are_told_by_the_stub():
+    tree = ast.parse((ROOT / "fikm_drake" / "__init__.pyi").read_text("utf-8"))
+    imported = [a.name for n in tree.body if isinstance(n, ast.ImportFrom) for a in n.names]
+    (exported,) = (ast.literal_eval(n.value) for n in tree.body if isinstance(n, ast.Assign))
+    assert sorted(imported) == sorted(exported) == fikm_drake.__all__
+
+
+def test_every_module_can_be_the_first_that_is_imported():
+    done = subprocess.run(
+        [sys.executable, "-c", ALONE], capture_output=True, text=True, timeout=300
+    )
+    assert (done.stdout, done.returncode) == ("[]\n", 0), done.stderr
