@@ -8,6 +8,8 @@ import yaml
 from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody.parsing import Parser
 
+from fikm_drake.yaml_errors import explain
+
 _PACKAGE = Path(__file__).resolve().parent
 
 Schema = TypeVar("Schema")
@@ -79,9 +81,12 @@ def load_yaml(
         ValueError: the file is not YAML, has a key twice, or does not fit the dataclass; the message
             names the file.
     """
+    tree: yaml.Node | None = None
     try:
         text = path.read_text("utf-8")
         tree = yaml.compose(text, Loader=yaml.SafeLoader)
+        if tree is None:
+            raise ValueError("it is empty")
         _check_keys(tree)
         if prepare is not None and isinstance(tree, yaml.MappingNode):
             prepare(tree)
@@ -90,7 +95,8 @@ def load_yaml(
     except OSError:
         raise
     except Exception as error:  # Drake and PyYAML raise many kinds
-        raise ValueError(f"{path} is not a valid {kind} file: {error}") from error
+        reason = explain(error, schema, tree)
+        raise ValueError(f"{path} is not a valid {kind} file: {reason}") from error
 
 
 def _check_keys(node: yaml.Node | None) -> None:

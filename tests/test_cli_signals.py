@@ -1,5 +1,6 @@
 """How a run ends: SIGTERM, Ctrl-C, a full disk, folders that cannot be written, options on the line."""
 
+import json
 import os
 import resource
 import signal
@@ -42,6 +43,32 @@ def test_a_signal_ends_a_run_with_its_log_up_to_the_last_cycle(number, code, tmp
         ["long.yaml", "run.npz"],
         ["run.npz", "long.yaml"],
     )
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_sweep_that_is_ended_exits_with_143_and_goes_on_where_it_was(jobs, tmp_path):
+    (tmp_path / "mine.yaml").write_text(LONG.replace("1.0e+6", "0.4"))
+    (tmp_path / "grid.yaml").write_text("base: mine.yaml\ngrid: {target.duration: [0.5, 1.0e+6]}\n")
+    folder = tmp_path / "logs"
+    command = [sys.executable, "-m", "fikm_drake.cli", "sweep", str(tmp_path / "grid.yaml")]
+    command += ["--folder", str(folder), "--jobs", jobs]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        deadline = time.monotonic() + 120
+        while len(list(folder.glob("*.npz"))) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=30)  # it does not wait for the endless run
+    finally:
+        process.kill()
+    assert process.returncode == 143 and "Traceback" not in err
+    logs = {path.name: fd.RunLog.load(path) for path in folder.glob("*.npz")}
+    ended = {name: bool(log.info.ended) for name, log in logs.items()}
+    assert ended == {"duration=0.5.npz": False, "duration=1e+06.npz": True}
+    base = fd.load_scenario(tmp_path / "mine.yaml")
+    again = fd.sweep(fd.Grid(base, {"target.duration": [0.5, 1.0]}), folder=folder)
+    first, second = again.column("seconds")
+    assert first != first and second > 0.0  # NaN: it was there already
 
 
 def test_a_disk_that_fills_up_exits_with_1_and_leaves_what_was_there(tmp_path):
@@ -93,3 +120,18 @@ def test_teleop_follows_the_sliders(tmp_path):
     np.testing.assert_allclose(log.actual[-1, 4:], log.desired[-1, 4:], atol=2e-3)
     assert log.status_names[-1] == "CONVERGED"
     assert np.abs(np.diff(log.q, axis=0)).max() <= 1.5 / 100 + 1e-9
+
+
+def test_json_is_alone_on_the_standard_output(tmp_path):
+    """Drake's solver writes lines of its own there, beside Python."""
+    (tmp_path / "mine.yaml").write_text(
+        "robot: iiwa14\ncontroller: supervised_drake\n"
+        "target: {poses: [{xyz: [0.5, 0, 0.5], rpy: [0, 3, 0]}], hold: 1.0}\n"
+    )
+    (tmp_path / "grid.yaml").write_text("base: mine.yaml\ngrid: {target.hold: [0.5, 1.0]}\n")
+    for arguments in (["run", "mine.yaml"], ["sweep", "grid.yaml", "--jobs", "2"]):
+        command = [sys.executable, "-m", "fikm_drake.cli", *arguments, "--json"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert json.loads(done.stdout)
+        assert "Allocating" not in done.stderr

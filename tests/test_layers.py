@@ -21,6 +21,7 @@ LAYERS = [
     "executors",
     "arrays",
     "resources",
+    "yaml_errors",
     "files",
 ]
 FILES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")

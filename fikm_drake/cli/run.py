@@ -10,6 +10,7 @@ from pydrake.common.yaml import yaml_load
 from pydrake.geometry import Meshcat
 
 from fikm_drake.cli.shared import FAILED, OK, code_of, print_json, progress, write_files
+from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.simulation.plot_log import plot_log
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
@@ -48,9 +49,9 @@ def _run(options: argparse.Namespace) -> int:
         return FAILED
     code = OK
     try:
-        log = simulate(
-            scenario, file=options.log, meshcat=_meshcat(options.meshcat), progress=progress()
-        )
+        meshcat = _meshcat(options.meshcat)
+        with quiet_drake():
+            log = simulate(scenario, file=options.log, meshcat=meshcat, progress=progress())
     except SimulationStopped as stopped:
         print(f"fikm-drake: {stopped}", file=sys.stderr)
         log = stopped.log

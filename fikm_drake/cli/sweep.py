@@ -1,14 +1,17 @@
 """`fikm-drake sweep` and `fikm-drake compare`: many runs, and two logs beside each other."""
 
 import argparse
+import logging
 import sys
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
+from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from contextlib import contextmanager, nullcontext
 from dataclasses import asdict
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from pathlib import Path
 
 from fikm_drake.cli.shared import FAILED, OK, positive_count, print_json, progress
+from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.simulation.compare import compare
 from fikm_drake.simulation.plot_sweep import plot_sweep
 from fikm_drake.simulation.run_log import RunLog
@@ -46,9 +49,20 @@ def _sweep(options: argparse.Namespace) -> int:
             print(f"fikm-drake: cannot write {path}: there is no such folder", file=sys.stderr)
             return FAILED
     several = options.jobs > 1
-    pool = ProcessPoolExecutor(options.jobs, get_context("spawn")) if several else nullcontext()
-    with pool as executor:
-        table = sweep(grid, executor, folder=options.folder, progress=progress())
+    pool = (
+        ProcessPoolExecutor(options.jobs, get_context("spawn"), initializer=_quiet_worker)
+        if several
+        else nullcontext()
+    )
+    table = None
+    try:
+        with pool as executor, quiet_drake(), _children_end():
+            table = sweep(grid, executor, folder=options.folder, progress=progress())
+    except BrokenExecutor:
+        kept = f"; what is done is in {options.folder}: run it again" if options.folder else ""
+        print(f"fikm-drake: a worker was killed{kept}", file=sys.stderr)
+    if table is None:
+        return FAILED
     if options.csv is not None:
         table.to_csv(options.csv)
     if options.plot is not None:
@@ -58,6 +72,22 @@ def _sweep(options: argparse.Namespace) -> int:
     else:
         print(table)
     return FAILED if any(row.error for row in table.rows) else OK
+
+
+@contextmanager
+def _children_end() -> Iterator[None]:
+    """Where a person or the system ends a sweep its workers end too; their logs stay readable."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        for child in active_children():
+            child.terminate()
+        raise
+
+
+def _quiet_worker() -> None:
+    """A worker's standard output is this process's, which is nowhere; this is for its log messages."""
+    logging.getLogger("drake").setLevel(logging.ERROR)
 
 
 def _compare(options: argparse.Namespace) -> int:

@@ -247,9 +247,10 @@ def AddFuzzyIkTorqueController(
 ) -> FuzzyIkTorqueController:
     """Add a controller for `plant`, which is in `builder`, connect the two, and return it.
 
-    The state is the plant's, or what `estimated_state` measures of it. Its desired position or pose is left to connect. The actuation goes to the plant's port for all
-    actuators, or to that of the joints' model instance where another controller has that one: Drake
-    adds up what comes to both. See `FuzzyIkTorqueController` for all else.
+    The state is the plant's, or what `estimated_state` measures of it. The desired position or pose is
+    left to connect. The actuation goes to the plant's port for all actuators, or to that of the joints'
+    model instance where another controller has that one: Drake adds up what comes to both. See
+    `FuzzyIkTorqueController` for all else.
 
     Raises:
         ValueError: see `FuzzyIkTorqueController`; or both ports are connected already.

@@ -12,6 +12,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from fikm_drake.checks import check_not_negative
 from fikm_drake.kinematics.dh_table import DEGREES
+from fikm_drake.resources import ConfigureParser
 
 SUFFIXES = (".urdf", ".sdf", ".xml", ".yaml", ".yml")
 """Endings of files that Drake's Parser reads: URDF, SDF, MJCF, model directives."""
@@ -67,7 +68,7 @@ def AddRobot(plant: MultibodyPlant, path: str | Path) -> ModelInstanceIndex:
     Args:
         plant: not finalized.
         path: of a URDF, SDF or MJCF file, or of model directives; packages are looked for in the
-            folders above it.
+            folders above it, and `package://fikm_drake/` has our arms.
 
     Returns:
         The first model instance of the file.
@@ -82,6 +83,7 @@ def AddRobot(plant: MultibodyPlant, path: str | Path) -> ModelInstanceIndex:
         raise ValueError(f"AddRobot({path.name!r}): the plant is finalized already")
     parser = Parser(plant)
     parser.SetAutoRenaming(True)
+    ConfigureParser(parser)
     for folder in (path.resolve().parent, *list(path.resolve().parents)[1:4]):
         if (folder / "package.xml").is_file() and not parser.package_map().Contains(folder.name):
             parser.package_map().Add(folder.name, str(folder))

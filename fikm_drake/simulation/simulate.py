@@ -16,6 +16,7 @@ from fikm_drake.simulation.log_info import LogInfo, names_of, versions
 from fikm_drake.simulation.recorder import POSE_COLUMNS, RowCollector
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import BuiltScenario, Scenario, build_scenario
+from fikm_drake.simulation.scenario.fingerprint import fingerprint
 from fikm_drake.simulation.scenario.surroundings import NO_PAIR
 
 ERROR_COLUMNS = {
@@ -24,6 +25,9 @@ ERROR_COLUMNS = {
     7: ("rx_rad", "ry_rad", "rz_rad", "x_m", "y_m", "z_m"),
 }
 """Columns of the error by the size of the target: turns are rotation vectors in the world."""
+
+FILES = "files"
+"""Among the versions in a log: the digest of the files that the scenario names, where it names any."""
 
 
 class SimulationStopped(RuntimeError):
@@ -131,8 +135,14 @@ def _info(built: BuiltScenario, law: LawLike | None) -> LogInfo:
         scenario=built.scenario.whole().to_yaml(),
         law="" if law is None else repr(law),
         names=names,
-        versions=versions(),
+        versions=run_versions(built.scenario),
     )
+
+
+def run_versions(scenario: Scenario) -> dict[str, str]:
+    """Versions for the log of a run: those of the process, and a digest of the files (`FILES`)."""
+    digest = fingerprint(scenario)
+    return versions() | ({FILES: digest} if digest else {})
 
 
 def _reader(built: BuiltScenario) -> Callable[[Context], list[Array]]:

@@ -19,7 +19,7 @@ from fikm_drake.files import whole_file
 from fikm_drake.resources import find_model
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
-from fikm_drake.simulation.simulate import SimulationStopped, simulate
+from fikm_drake.simulation.simulate import FILES, SimulationStopped, run_versions, simulate
 
 if TYPE_CHECKING:
     import pandas
@@ -218,8 +218,9 @@ def sweep(
         executor: of any kind, such as ProcessPoolExecutor or Dask's `client.get_executor()`; None: this
             process, one after the other.
         folder: where each run's log is kept; it is made. What is there already of the same scenario is not
-            run again, so that a sweep that was stopped goes on where it was. Workers write there: it must
-            be the same folder on all machines.
+            run again, so that a sweep that was stopped goes on where it was; a log of another scenario, of
+            another version, or of a model file that has changed since, is written anew. Workers write
+            there: it must be the same folder on all machines.
         progress: called after each run with the fraction done.
 
     Raises:
@@ -256,6 +257,8 @@ def run_one(name: str, scenario: Scenario, folder: Path | None) -> SweepRow:
             spent = time.perf_counter() - start
         metrics = log.metrics()
     except (SimulationStopped, ValueError) as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # it is the sweep that shall end
+            raise error.__cause__ from error
         return SweepRow(name, error=str(error).split("\n")[0])
     return SweepRow(
         name,
@@ -271,15 +274,18 @@ def run_one(name: str, scenario: Scenario, folder: Path | None) -> SweepRow:
 
 
 def _kept(path: Path | None, scenario: Scenario) -> RunLog | None:
-    """The whole log of this scenario that is there already."""
+    """The whole log of this scenario that is there already, of the same versions and the same files."""
     if path is None or not path.is_file():
         return None
     try:
         log = RunLog.load(path)
-        same = log.info.scenario == scenario.whole().to_yaml()
     except ValueError:
         return None
-    return log if same and not log.info.ended else None
+    info, now = log.info, run_versions(scenario)
+    same = info.scenario == scenario.whole().to_yaml() and all(
+        info.versions.get(name) == now.get(name) for name in ("fikm_drake", "drake", "numpy", FILES)
+    )
+    return log if same and not info.ended else None
 
 
 def _jobs(

@@ -182,3 +182,44 @@ def test_commands(tmp_path, capsys):
         (tmp_path / "bad.yaml").write_text(text)
         assert main(["sweep", str(tmp_path / "bad.yaml")]) == 2
         assert "bad.yaml" in capsys.readouterr().err
+
+
+def test_a_model_file_that_has_changed_is_run_again(tmp_path):
+    """Also one that another file names; a scenario, a version: whatever a log's numbers depend on."""
+    urdf = fd.load_arm("planar2").to_urdf()
+    (tmp_path / "mine.urdf").write_text(urdf)
+    (tmp_path / "world.dmd.yaml").write_text(
+        "directives:\n- add_model: {name: arm, file: mine.urdf}\n"
+        "- add_weld: {parent: world, child: arm::base}\n".replace(
+            "mine.urdf", "package://here/m.urdf"
+        )
+    )
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "package.xml").write_text("<package/>")
+    (tmp_path / "here" / "world.dmd.yaml").write_text((tmp_path / "world.dmd.yaml").read_text())
+    (tmp_path / "here" / "m.urdf").write_text(urdf)
+    runs = {
+        "urdf": BASE.but(robot=str(tmp_path / "mine.urdf")),
+        "world": BASE.but(
+            robot=fd.scenario.Model(str(tmp_path / "here/world.dmd.yaml"), "arm::tool")
+        ),
+        "table": BASE,
+    }
+    folder = tmp_path / "logs"
+
+    def ran():
+        return {row.name for row in fd.sweep(runs, folder=folder).rows if not np.isnan(row.seconds)}
+
+    assert ran() == {"urdf", "world", "table"}
+    assert ran() == set()
+    shorter = urdf.replace("0.5 0 0", "0.4 0 0").replace("0.5 0.0 0.0", "0.4 0.0 0.0")
+    assert shorter != urdf
+    (tmp_path / "mine.urdf").write_text(shorter)
+    assert ran() == {"urdf"}
+    (tmp_path / "here" / "m.urdf").write_text(shorter)
+    assert ran() == {"world"}
+    log = fd.RunLog.load(folder / "table.npz")
+    log.info.versions["drake"] = "1.0"
+    log.save(folder / "table.npz")
+    assert ran() == {"table"}
+    assert ran() == set()

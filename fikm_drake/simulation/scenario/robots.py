@@ -66,7 +66,9 @@ class Robot:
             ValueError: the robot is from a model file.
         """
         if isinstance(self.model, Model):
-            raise ValueError(f"{self.name} is from a model file, not from a DH table")
+            raise ValueError(
+                f"{self.name} is from a model file: this needs an arm of a DH table, by name or .yaml file"
+            )
         return self.model
 
     @property

@@ -3,6 +3,7 @@
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 import csv
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -134,8 +135,10 @@ class Csv:
             FileNotFoundError: there is no such file.
             ValueError: it is no such table; the message names the line.
         """
+        if not Path(self.file).is_file():
+            raise FileNotFoundError(f"no table {self.file!r}")
         with open(self.file, newline="", encoding="utf-8") as file:
-            header, *rows = csv.reader(file)
+            header, *rows = csv.reader(file) if Path(self.file).stat().st_size else [[]]
         names = tuple(name.strip() for name in header)
         if names[:1] != ("time_s",) or names[1:] not in TABLES:
             known = " or ".join(", ".join(("time_s", *columns)) for columns in TABLES)
