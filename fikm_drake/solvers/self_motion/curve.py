@@ -122,13 +122,10 @@ class SelfMotionCurve:
                 return CurvePoint(q, tangent / np.sqrt(tangent @ tangent), orientation)
         return None
 
-    def arrive(self, q: Array) -> CurvePoint | None:
-        """A point of the curve, by damped steps from `q` (k,)."""
-        near = self.native.arrive(q) if self.native else self._search(q)
-        point = None if near is None else self.point(near)
-        return point if point is not None and self.is_met(point.q) else None
-
-    def _search(self, q: Array) -> Array | None:
+    def arrive(self, q: Array) -> Array | None:
+        """Where damped steps from `q` (k,) come within `FOUND` of the target, if they do."""
+        if self.native:
+            return self.native.arrive(q)
         for _ in range(SEARCH_STEPS):
             error, J = self.linearise(q)
             square = float(error @ error)

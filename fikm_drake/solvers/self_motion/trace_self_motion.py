@@ -168,7 +168,10 @@ class SelfMotionTracer:
                 known = 0
             if known == self._searches:
                 return lines
-            point = curve.arrive(rng.uniform(*task.search_range))
+            near, point = curve.arrive(rng.uniform(*task.search_range)), None
+            if near is not None and not traced.meet(near):
+                point = curve.point(near)
+                point = point if point is not None and curve.is_met(point.q) else None
             known += 1
 
 
