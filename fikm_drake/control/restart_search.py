@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.checks import check_positive
 from fikm_drake.control.clear_way import ClearWay
 from fikm_drake.control.clearance import Clearance
@@ -15,6 +15,7 @@ from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
+from fikm_drake.kinematics.angles import nearest_turn
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
@@ -33,7 +34,7 @@ WINDOW, PROGRESS = 6, 0.3
 STARTS = 40
 """Postures from which the search starts before it gives up [-]."""
 ERROR_LIMIT = 0.2
-"""A longer error counts as this long in the search [m]."""
+"""A longer error counts as this long in the search [reach]."""
 ZONE = 0.05
 """Zone of the joint limits in the search [rad or m]."""
 NEAR = 1e-3
@@ -42,6 +43,9 @@ PASSED = 0.02
 """Distance at which a posture in between is passed [rad or m]."""
 LANDING = 0.25
 """Of what is left of a way a cycle takes at most this fraction, so that filters of the error settle [-]."""
+WAY = 0.1
+"""A radian of way, at `pace` of what the slowest joint lets it, counts as this distance of the tool
+[reach/rad]."""
 LATE = 3.0
 """A way takes at most this many times as long as it should [-]."""
 
@@ -64,10 +68,11 @@ class RestartSearch:
 
     When the law does not approach a target that rests, a virtual arm searches for a posture that solves the
     task inside the joint limits, from a small step aside first and then from postures spread over
-    the joints' ranges, those whose tool is nearest first. It takes `LOOKS` steps a cycle, so a cycle's
-    cost is bounded. The joints then move there in a straight line at `pace`, and the law takes over
-    again. If none is found, the arm stays; the next search waits until the error has changed. The
-    search is the same each time: its starts are fixed numbers.
+    the joints' ranges: first those whose tool is near and that are soon reached. It takes `LOOKS` steps a
+    cycle, so a cycle's cost is bounded. The joints then move there in a straight line at `pace`, without
+    whole turns that their limits let them leave out, and the law takes over again. If none is found, the
+    arm stays; the next search waits until the error has changed. The search is the same each time: its
+    starts are fixed numbers.
 
     What it remembers is a vector that the caller keeps: the state; cycles without approach, or steps of
     the search; the last error, or the start; the least error, or that at the last look at the search's
@@ -83,6 +88,8 @@ class RestartSearch:
         upper: upper joint limits (n,) [rad or m]; inf for none.
         tolerance: an error up to this is solved [m].
         pace: largest joint motion in a cycle on the way [rad or m].
+        turning: joints that take the same posture after a whole turn (n,); None: none does.
+        reach: of the arm, by which errors are judged [m].
         limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
         clearance: what the way keeps clear of; None: nothing.
     """
@@ -96,10 +103,14 @@ class RestartSearch:
         upper: Array,
         tolerance: float,
         pace: float,
+        turning: Bools | None = None,
+        reach: float = 1.0,
         limits: JointLimits | None = None,
         clearance: Clearance | None = None,
     ) -> None:
-        self._limits = limits
+        self._limits, self._reach = limits, reach
+        self._turning = np.zeros(len(lower), bool) if turning is None else turning
+        self._error_limit = ERROR_LIMIT * reach
         self._own, self._rest = slice(4, 4 + len(lower)), slice(4 + len(lower), None)
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
@@ -182,24 +193,28 @@ class RestartSearch:
         dr, J = self._kinematics(desired, posture)
         size = length(dr)
         if size <= 0.5 * self._tolerance:
-            way = float(np.abs(posture - q).max())
+            posture[:] = self._unwound(posture, q)
+            cycles = self._cycles(q, posture)
             if self._way:
                 found = self._way.look(memory[self._rest], q, posture, others)
                 if found is False:
                     self._start_again(memory, desired, q, error)
                 if not found:
                     return
-                way = self._way.length(memory[self._rest], q, posture)
-            memory[:3] = RestartState.UNDERWAY, -LATE * way / self._pace - PATIENCE, 0
+                cycles *= self._way.length(memory[self._rest], q, posture) / max(
+                    float(np.abs(posture - q).max()), NEAR
+                )
+            memory[:3] = RestartState.UNDERWAY, -LATE * cycles - PATIENCE, 0
             return
         if memory[1] % WINDOW == 0:
-            if memory[1] and size > (1.0 - PROGRESS) * min(memory[3], ERROR_LIMIT):
+            if memory[1] and size > (1.0 - PROGRESS) * min(memory[3], self._error_limit):
                 self._start_again(memory, desired, q, error)
                 return
             memory[3] = size
-        if size > ERROR_LIMIT:
-            dr = dr * (ERROR_LIMIT / size)
-        step = self._search_step(posture, J, dr, 0.1 * min(size, ERROR_LIMIT) ** 0.5)
+        if size > self._error_limit:
+            dr = dr * (self._error_limit / size)
+        damping = 0.1 * (min(size, self._error_limit) / self._reach) ** 0.5
+        step = self._search_step(posture, J, dr, damping)
         memory[self._own] = np.clip(posture + step, self._lower, self._upper)
         memory[1] += 1
 
@@ -210,7 +225,11 @@ class RestartSearch:
             return
         starts = self._starts + np.where(self._free, q, 0.0)
         starts = np.clip(starts, self._lower, self._upper)
-        sizes = [length(self._kinematics(desired, s)[0]) for s in starts]
+        sizes = [
+            length(self._kinematics(desired, s)[0]) / self._reach
+            + WAY * self._pace * self._cycles(q, self._unwound(s, q))
+            for s in starts
+        ]
         memory[1:4], memory[self._rest] = (0, start + 1, 0), 0.0
         memory[self._own] = starts[np.argsort(sizes, kind="stable")[start]]
 
@@ -223,6 +242,20 @@ class RestartSearch:
         lost = length(self._kinematics(desired, memory[self._own])[0]) > 10.0 * self._tolerance
         if memory[1] >= 0 or lost or np.abs(memory[self._own] - q).max() <= NEAR:
             memory[:4] = 0.0
+
+    def _cycles(self, q: Array, posture: Array) -> float:
+        """Cycles that the straight way to a posture takes, at the pace of its slowest joint."""
+        way = posture - q
+        longest = float(np.abs(way).max())
+        if self._limits is None or longest == 0.0:
+            return longest / self._pace
+        step = way * (self._pace / longest)
+        return longest / max(float(np.abs(self._limits.shorten(step)).max()), 1e-300)
+
+    def _unwound(self, posture: Array, q: Array) -> Array:
+        """The posture, its joints that turn as few turns from q as their limits allow."""
+        near = posture + np.where(self._turning, nearest_turn(posture, q), 0.0)
+        return np.where((near >= self._lower) & (near <= self._upper), near, posture)
 
     def _aside(self, q: Array) -> Array:
         """A posture beside q, the same each time."""
@@ -256,6 +289,8 @@ def make_restart_search(
         upper=task.arm.upper,
         tolerance=check_positive("tolerance", tolerance),
         pace=check_positive("pace", pace),
+        turning=task.arm.chain.revolute,
+        reach=task.arm.chain.reach,
         limits=limits,
         clearance=clearance,
     )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.math import RigidTransform
 
 import fikm_drake as fd
 from fikm_drake import RestartState
@@ -229,3 +230,73 @@ def test_the_memory_is_finite_and_as_long_as_it_says(arm):
     for _ in range(100):
         loop.cycle()
         assert len(loop.memory) == size and np.isfinite(loop.memory).all()
+
+
+def searched(arm, pose, cycles=600):
+    """The joints after a drive to a pose with restart search, and the last status."""
+    config = fd.FuzzyIkConfig(
+        task="pose",
+        characteristic_length=0.3 * arm.chain.reach,
+        restart_search=True,
+        tolerance=1e-3 * arm.chain.reach,
+        error_limit=0.2 * arm.chain.reach,
+        law=fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+    )
+    plant = fd.MakeDhArmPlant(arm)
+    cycle = fd.ControlCycle(fd.PoseTask(fd.PlantArm(plant), config.characteristic_length), config)
+    state, path = cycle.start(arm.default_position), []
+    for _ in range(cycles):
+        tick = cycle.tick(state, pose, state.command)
+        cycle.advance(state, pose, state.command, tick)
+        path.append(state.command.copy())
+    return np.array(path), tick.error_length / arm.chain.reach
+
+
+@pytest.mark.parametrize("size", [0.1, 10.0])
+def test_arms_of_all_sizes_search_alike(size):
+    """Errors are judged by the reach: a large arm gives no start up that a small one follows."""
+    table = fd.load_arm("puma560").table
+    for row in (*table.joints, table.tool):
+        row.a *= size
+        row.d *= size
+    arm, other = fd.load_arm("puma560"), fd.DhArm(table)
+    rng = np.random.default_rng(3)
+    reached = []
+    for q in rng.uniform(arm.lower, arm.upper, (6, 6)):
+        pairs = []
+        for one in (arm, other):
+            pose = RigidTransform(one.forward_kinematics(q))
+            pairs.append(searched(one, pose)[1] < 1e-3)
+        reached.append(pairs)
+    assert np.array(reached)[:, 0].sum() >= 5
+    np.testing.assert_array_equal(*np.transpose(reached))
+
+
+def test_no_whole_turn_is_made_on_the_way():
+    """A joint that may turn twice goes to the nearest of the same postures: half a turn at most."""
+    arm = fd.load_arm("ur5")
+    lower, upper = np.full(6, -2 * np.pi), np.full(6, 2 * np.pi)
+
+    def kinematics(desired, q):
+        return desired - arm.forward_kinematics(q)[:3, 3], arm.jacobian(q)[3:]
+
+    rng, ways = np.random.default_rng(5), []
+    for start, goal in rng.uniform(-np.pi, np.pi, (10, 2, 6)):
+        search = RestartSearch(
+            kinematics,
+            3,
+            lower=lower,
+            upper=upper,
+            tolerance=1e-3,
+            pace=PACE,
+            turning=arm.chain.revolute,
+        )
+        memory, target = search.initial_memory(), arm.forward_kinematics(goal)[:3, 3]
+        error = float(np.linalg.norm(kinematics(target, start)[0]))
+        for _ in range(200):
+            search.remember(memory, target, start, error)
+            if search.state(memory) == RestartState.UNDERWAY:
+                break
+        assert search.state(memory) == RestartState.UNDERWAY
+        ways.append(np.abs(memory[4:10] - start).max())
+    assert max(ways) <= np.pi + 1e-9

@@ -44,7 +44,14 @@ def test_it_is_the_law(driver):
         return desired - arm.forward_kinematics(q)[:2, 3], arm.jacobian(q)[3:5]
 
     law = RestartSearch(
-        kinematics, 2, lower=arm.lower, upper=arm.upper, tolerance=1e-3, pace=1.5 * PERIOD
+        kinematics,
+        2,
+        lower=arm.lower,
+        upper=arm.upper,
+        tolerance=1e-3,
+        pace=1.5 * PERIOD,
+        turning=arm.chain.revolute,
+        reach=arm.chain.reach,
     )
     memory, q, target = law.initial_memory(), np.zeros(2), DEAD_POINT["desired_position"]
     seen = set()
