@@ -106,6 +106,25 @@ def test_teleop_runs_and_logs_without_a_browser(tmp_path, capsys):
     assert len(found) == 21 and set(found.status_names) <= {"CONVERGED", "TRACKING"}
     assert "open http" in capsys.readouterr().out
     assert main(["teleop", "planar4", "--frame", "hand"]) == 2
+    assert main(["teleop", "planar4", "--log", str(tmp_path / "gone" / "run.npz")]) == 1
+    assert "no such folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number, code", [(signal.SIGTERM, 143), (signal.SIGINT, 0)])
+def test_teleop_keeps_its_log_when_it_is_ended(number, code, tmp_path):
+    log = tmp_path / "run.npz"
+    command = [sys.executable, "-m", "fikm_drake.cli", "teleop", "planar4", "--log", str(log)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        deadline = time.monotonic() + 120
+        while not log.exists() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == code, err
+    assert "rows" in out and len(fd.RunLog.load(log)) > 10
 
 
 def test_teleop_follows_the_sliders(tmp_path):

@@ -2,8 +2,9 @@
 
 import argparse
 import sys
+from pathlib import Path
 
-from fikm_drake.cli.shared import OK
+from fikm_drake.cli.shared import FAILED, OK, TERMINATED, Terminated
 from fikm_drake.simulation.teleoperation import Teleop
 
 
@@ -21,16 +22,21 @@ def add_teleop(commands: "argparse._SubParsersAction") -> None:
 
 
 def _teleop(options: argparse.Namespace) -> int:
+    if options.log is not None and not Path(options.log).parent.is_dir():
+        print(f"fikm-drake: cannot write {options.log}: there is no such folder", file=sys.stderr)
+        return FAILED
     teleop = Teleop(options.robot, frame=options.frame, port=options.port)
     print(
         f"open {teleop.meshcat.web_url()} and move the sliders; Ctrl-C or `Stop` ends", flush=True
     )
+    code = OK
     try:
         log = teleop.run(seconds=options.seconds, file=options.log)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as error:  # Ctrl-C is how it is meant to end
+        code = TERMINATED if isinstance(error, Terminated) else OK
         log = teleop.log()
     if options.log is not None:
         log.save(options.log)
         print(f"wrote {options.log}", file=sys.stderr)
     print(f"{len(log)} rows, {log.status_names[-1].lower().replace('_', ' ')} at the end")
-    return OK
+    return code

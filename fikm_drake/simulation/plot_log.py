@@ -94,7 +94,8 @@ def _plot_middle(axes: Axes, log: RunLog) -> None:
         right = axes.twinx()
         right.plot(log.time, 1000 * log.clearance, "--", color="tab:gray")
         right.set_ylabel("clearance [mm]")
-        right.set_ylim(bottom=min(0.0, 1000 * float(np.nanmin(log.clearance))))
+        known = log.clearance[np.isfinite(log.clearance)]
+        right.set_ylim(bottom=1000 * float(known.min(initial=0.0)))
     if "gain" in log and log["gain"].shape[1] == 1:
         axes.step(log.time, log.gain, where="post", color="tab:green")
         axes.set_ylabel("gain K [-]")

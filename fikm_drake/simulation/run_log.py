@@ -231,7 +231,10 @@ class RunLog:
         """
         after = slice(1, None) if len(self) > 1 else slice(None)
         corners = self.scenario.target_motion().corners
-        clearance = float(np.nanmin(self.clearance)) if "clearance" in self else None
+        clearance = None
+        if "clearance" in self:
+            known = self.clearance[np.isfinite(self.clearance)]
+            clearance = float(known.min()) if known.size else float("nan")
         return tracking_metrics(
             self.error_after[after], self.actual[after], corners, clearance=clearance
         )

@@ -5,6 +5,7 @@ import io
 import itertools
 import re
 import time
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, fields
@@ -242,7 +243,10 @@ def sweep(
             progress(len(rows) / len(jobs))
     result = Sweep([rows[name] for name in jobs], place)
     if place is not None:
-        result.to_csv(place / "sweep.csv")
+        try:
+            result.to_csv(place / "sweep.csv")
+        except OSError as error:  # what was run is worth more than its table
+            warnings.warn(f"the table of the sweep was not written: {error}", stacklevel=2)
     return result
 
 

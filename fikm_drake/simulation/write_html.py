@@ -35,7 +35,7 @@ def write_html(log: RunLog, path: str | Path, *, meshcat: Meshcat | None = None)
     Raises:
         OSError: the file cannot be written.
         RuntimeError: Meshcat finds no free port.
-        ValueError: the log has no scenario.
+        ValueError: the log has no scenario, or no row with finite joints.
     """
     scenario = log.scenario
     meshcat = meshcat or Meshcat()
@@ -50,15 +50,20 @@ def write_html(log: RunLog, path: str | Path, *, meshcat: Meshcat | None = None)
     context = diagram.CreateDefaultContext()
     plant_context = plant.GetMyMutableContextFromRoot(context)
 
-    desired, actual = (_in_space(series) for series in (log.desired, log.actual))
+    shown = np.flatnonzero(np.isfinite(log.q).all(axis=1))
+    if not shown.size:
+        raise ValueError("the log has no row with finite joints to show")
+    series = (log.desired, log.actual)
+    desired, actual = (_in_space(s[np.isfinite(s).all(axis=1)]) for s in series)
     corners = _in_space(scenario.corners)
     meshcat.SetLine("path/desired", corners.T, 3.0, Rgba(0.1, 0.1, 0.1))
-    meshcat.SetLine("path/actual", actual.T, 3.0, Rgba(0.12, 0.47, 0.71))
+    if len(actual):
+        meshcat.SetLine("path/actual", actual.T, 3.0, Rgba(0.12, 0.47, 0.71))
     _look_at(meshcat, np.concatenate([desired, actual, np.zeros((1, 3))]))
 
     visualizer.StartRecording(False)
     stride = max(1, round(scenario.control_rate / FRAMES_PER_SECOND))
-    for k in [*range(0, len(log) - 1, stride), len(log) - 1]:
+    for k in [*shown[:-1:stride], shown[-1]]:  # rows of a robot that is nowhere are passed over
         context.SetTime(log.time[k])
         q = chain.to_full(log.q[k], plant.GetPositions(plant_context))
         plant.SetPositions(plant_context, q)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pydrake.geometry import Meshcat
 
+import fikm_drake as fd
 from fikm_drake import ControllerStatus, plot_log, write_html
 
 BROWSER = next(
@@ -131,3 +132,21 @@ def test_page_plays_in_a_browser(spatial_log, tmp_path):
     assert len(found["ink"]) == 3 and min(found["ink"]) > 100
     assert found["time"] == pytest.approx(0.2, abs=0.02) and found["clock"] == "0.20 s"
     assert found["status"] in {name.lower().replace("_", " ") for name in spatial_log.status_names}
+
+
+@pytest.mark.parametrize("rows", [slice(5, 9), slice(0, 3), slice(-3, None)])
+def test_rows_that_are_not_finite_are_passed_over(rows, spatial_log, tmp_path):
+    """Of a robot that flew apart: Drake would end the process for such joints."""
+    series = {}
+    for name in spatial_log.names:
+        series[name] = spatial_log[name].copy()
+        series[name][rows] = np.nan
+    log = spatial_log.replace(**series, clearance=np.full(len(spatial_log), np.nan))
+    write_html(log, tmp_path / "run.html")
+    assert "null" in (tmp_path / "run.html").read_text("utf-8")
+    plot_log(log, tmp_path / "run.png")
+    assert np.isnan(log.metrics().e_max) and np.isnan(log.metrics().clearance)
+    assert fd.compare(log, log).same
+    nowhere = spatial_log.replace(q=np.full_like(spatial_log.q, np.nan))
+    with pytest.raises(ValueError, match="no row with finite joints"):
+        write_html(nowhere, tmp_path / "run.html")
