@@ -58,7 +58,8 @@ class ClearanceConfig:
         check_positive_finite("retreat_speed", self.retreat_speed, "m/s")
         if not isinstance(self.rules, str):
             raise ValueError(f"rules must be a name or a path, got {self.rules!r}")
-        load_clearance_rules(self.rules)
+        if self.rules != ClearanceConfig.rules:  # ours need no check, which is most of a start's time
+            load_clearance_rules(self.rules)
 
 
 def load_clearance_rules(name_or_path: str) -> MamdaniSystem:

@@ -202,6 +202,7 @@ class FuzzyIkController(Diagram):
         if config.null_space_motion:
             source = add("null_space_filter", NullSpaceFilter(task, period=period))
             wire(ik, "joint_step", source, "law_step")
+            wire(error, "valid", source, "valid")
             extra.append(source.GetInputPort("null_space_motion"))
             seers.append(source)
         clearance = None

@@ -9,13 +9,17 @@ from fikm_drake.arrays import Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.laws.law import as_arrays
 
+ROUNDING = 1e-12
+"""λ² is at least this fraction of the trace of J Jᵀ: less is lost in rounding where J is singular [-]."""
+
 
 @dataclass
 class DampedLeastSquares:
     """dθ = Jᵀ (J Jᵀ + λ² I)⁻¹ dr, a law `(J, dr) -> joint_step`.
 
     Attributes:
-        damping: λ, in the unit of J (m for position rows); more is calmer and slower.
+        damping: λ, in the unit of J (m for position rows); more is calmer and slower. It
+            counts as at least a millionth of J's size.
 
     Raises:
         ValueError: the damping is not positive and finite.
@@ -35,7 +39,9 @@ class DampedLeastSquares:
         """The joint step (…,n) [rad or m] for a Jacobian (…,m,n) and a task error (…,m)."""
         J, dr = as_arrays(J, dr)
         JT = np.swapaxes(J, -1, -2)
-        square = J @ JT + self.damping**2 * np.eye(J.shape[-2])
+        square = J @ JT
+        trace = np.trace(square, axis1=-2, axis2=-1)[..., None, None]
+        square = square + np.maximum(self.damping**2, ROUNDING * trace) * np.eye(J.shape[-2])
         return (JT @ np.linalg.solve(square, dr[..., None]))[..., 0]
 
     step = __call__

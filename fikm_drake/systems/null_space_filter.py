@@ -18,12 +18,15 @@ class NullSpaceFilter(LeafSystem):
         - law_step
         - position
         - null_space_motion
+        - valid
         output_ports:
         - joint_step
 
     - **law_step** (n) [rad or m]: as of `DifferentialIk`.
     - **position** (n) [rad or m]: the joints.
     - **null_space_motion** (n) [rad/s or m/s]: as of `NullSpaceMotion`; unconnected or not finite: none.
+    - **valid** (1), may stay unconnected: of `TaskError`; while it is 0 the motion counts as none, since
+      without a target nobody knows what it leaves free.
     - **joint_step** (n) [rad or m]: the law's step and the free part of the motion times the period,
       see `control.null_space`.
 
@@ -42,13 +45,15 @@ class NullSpaceFilter(LeafSystem):
         self._step = self.DeclareVectorInputPort("law_step", n).Eval
         self._position = self.DeclareVectorInputPort("position", n).Eval
         self._motion = self.DeclareVectorInputPort("null_space_motion", n)
+        self._valid = self.DeclareVectorInputPort("valid", 1)
         self.DeclareVectorOutputPort(
             "joint_step", n, self._calc, prerequisites_of_calc={self.all_input_ports_ticket()}
         )
 
     def _calc(self, context: Context, output: BasicVector) -> None:
         step = self._step(context)
-        if self._motion.HasValue(context):
+        valid = not self._valid.HasValue(context) or self._valid.Eval(context)[0] == 1.0
+        if valid and self._motion.HasValue(context):
             q = self._position(context)
             if all_finite(q):
                 motion = self._period * self._motion.Eval(context)

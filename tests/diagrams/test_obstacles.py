@@ -156,6 +156,17 @@ def test_null_space_motion_leaves_the_task_alone(plant, fused):
     assert np.linalg.norm(tool - TOOL, axis=1).max() < 1e-3  # curvature, which the law takes back
 
 
+def test_without_a_target_null_space_motion_moves_nothing(plant, fused):
+    """Found by `fikm-drake fuzz`: the Diagram went on."""
+    controller = fd.MakeFuzzyIkController(plant, config=config(fused, null_space_motion=True))
+    context = controller.CreateDefaultContext()
+    controller.SetPositions(context, HOME)
+    controller.get_input_port(0).FixValue(context, [np.nan, 0.0, 0.5])
+    controller.GetInputPort("null_space_motion").FixValue(context, np.full(7, 0.3))
+    assert not controller.GetOutputPort("joint_step").Eval(context).any()
+    assert controller.GetOutputPort("status").Eval(context)[0] == fd.ControllerStatus.INVALID_INPUT
+
+
 def test_null_space_motion_not_finite_is_none(plant, fused):
     controller = fd.MakeFuzzyIkController(plant, config=config(fused, null_space_motion=True))
 

@@ -30,7 +30,8 @@ def controller_case(rng: np.random.Generator) -> Iterator[list[Violation]]:
     case = random_case(rng)
     runs = [_Run(case, fused) for fused in (False, True)]
     for k, target in enumerate(case.targets):
-        found = [violation for run in runs for violation in run.cycle(target, case.noise[k])]
+        inputs = target, case.noise[k], case.wishes[k]
+        found = [violation for run in runs for violation in run.cycle(*inputs)]
         yield [*found, *_differences(*(run.seen for run in runs))]
 
 
@@ -54,7 +55,7 @@ class _Run:
         """How much the change of a step may change."""
         self.seen: dict[str, Array] = {}
 
-    def cycle(self, target: Target, noise: Array) -> list[Violation]:
+    def cycle(self, target: Target, noise: Array, wish: Array) -> list[Violation]:
         """Give the inputs, read every output, take the step; what was violated."""
         system, context = self.system, self.context
         port = system.get_input_port(0)
@@ -63,6 +64,8 @@ class _Run:
         q = before + noise if self.case.measured else before
         if self.case.measured:
             system.GetInputPort("estimated_position").FixValue(context, q)
+        if self.case.config.null_space_motion:
+            system.GetInputPort("null_space_motion").FixValue(context, wish)
         ports = (system.get_output_port(i) for i in range(system.num_output_ports()))
         self.seen = {port.get_name(): port.Eval(context).copy() for port in ports}
         context.SetDiscreteState(system.EvalUniquePeriodicDiscreteUpdate(context))

@@ -33,6 +33,8 @@ class RandomCase:
     """Targets of each cycle."""
     noise: list[Array]
     """Added to the command of each cycle (n,) where joints are measured [rad or m]."""
+    wishes: list[Array]
+    """Null-space motion of each cycle (n,) [rad/s or m/s]; no numbers at times."""
     measured: bool
     """Whether the port of the measured joints is connected."""
 
@@ -46,7 +48,9 @@ def random_case(rng: np.random.Generator) -> RandomCase:
     noise = [_noise(rng, len(start), arm.scale) for _ in range(count)]
     targets = _targets(rng, arm, config.task, start, count)
     measured = config.measured_position or bool(rng.random() < 0.2)
-    return RandomCase(arm, config, start, targets, noise, measured)
+    size = 10.0 ** rng.uniform(-3.0, 3.0)
+    wishes = [size * _noise(rng, len(start), arm.scale) for _ in range(count)]
+    return RandomCase(arm, config, start, targets, noise, wishes, measured)
 
 
 def random_law(rng: np.random.Generator, scale: float) -> Any:
@@ -96,6 +100,8 @@ def random_config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
         gain_smoothing=maybe(2.0 / 3.0, 0.99 * rng.random()),
         error_smoothing=maybe(2.0 / 3.0, 0.99 * rng.random()),
         restart_search=bool(rng.random() < 0.08),
+        null_space_motion=bool(rng.random() < 0.15),
+        supervisor=maybe(fd.GainSupervisorConfig(), random_supervisor(rng)),
     )
     config.posture_rate = maybe(0.0, config.control_rate * rng.random())
     for name in ("velocity_limits", "acceleration_limits"):
@@ -109,6 +115,24 @@ def random_config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
     elif rng.random() < 0.2:
         config = config.as_in_paper()
     return config
+
+
+def random_supervisor(rng: np.random.Generator) -> fd.GainSupervisorConfig:
+    """Windows, thresholds and what the calm does; gains up to what the filtered loop bears."""
+    window = int(rng.integers(2, 20))
+    slow = int(rng.integers(window, 100))
+    return fd.GainSupervisorConfig(
+        window=window,
+        sign_changes=int(rng.integers(1, window)),
+        slow_window=slow,
+        slow_sign_changes=int(rng.integers(1, slow)),
+        gains=rng.uniform(0.0, 6.0, 3).tolist(),
+        oscillating_gains=rng.uniform(0.0, 1.0, 3).tolist(),
+        dead_band=10.0 ** rng.uniform(-15.0, -3.0),
+        calming=float(rng.choice([0.3, 0.8, 1.0])),
+        recovery=1.0 + 10.0 ** rng.uniform(-3.0, 1.0),
+        calm_damping=float(rng.choice([0.0, 0.3, 3.0])),
+    )
 
 
 def is_bad(target: Target) -> bool:
