@@ -74,7 +74,7 @@ MAKERS = {
     "RestartPlanner": lambda p: fd.RestartPlanner(p, period=PERIOD),
     "FusedFuzzyIk": lambda p: fd.FusedFuzzyIk(p, law=fd.FuzzyMapping(), config=ALL),
     "DifferentialIk": lambda p: fd.DifferentialIk(
-        p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True, limits=LIMITS
+        p, law=fd.FuzzyMapping(iterations=2), guarded=True, damped=True, limits=LIMITS, yields=True
     ),
     "FuzzyIkController": lambda p: fd.FuzzyIkController(p, law=fd.FuzzyMapping(), config=ALL),
     "FuzzyIkTorqueController": lambda p: fd.FuzzyIkTorqueController(p),
