@@ -4,6 +4,7 @@ import runpy
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "notebooks" / "examples"
@@ -43,3 +44,16 @@ def test_sliders_move_the_target(monkeypatch):
 @pytest.mark.parametrize("driver", ["torque", "iiwa"])
 def test_a_brick_is_picked_and_placed(driver, monkeypatch):
     assert run(monkeypatch, "pick_and_place", driver)["error"] < 0.01
+
+
+def test_the_labvolt_holds_a_box_by_contact_and_puts_it_down(monkeypatch, tmp_path):
+    found = run(monkeypatch, "pick_and_place_labvolt", str(tmp_path))
+    log, (x, y), size = found["log"], found["TO"], found["SIZE"]
+    box = log["box"][:, 4:7]
+    assert found["error"] < 5e-3  # of its place, standing on the table
+    assert box[-1] == pytest.approx([x, y, size[2] / 2], abs=5e-3)
+    assert box[:, 2].max() > 0.1  # it was in the air, held by nothing but friction
+    assert np.abs(log["box"][-1, 7:]).max() < 1e-2  # and lies still
+    counts = (tmp_path / "counts.csv").read_text("utf-8").splitlines()
+    assert len(counts) == len(log) + 1 and counts[0].startswith("time_s,base_deg")
+    assert (tmp_path / "run.csv").exists()

@@ -157,8 +157,8 @@ def readings() -> Section:
         "corners of C. Given, and not varied: the arm, A and B, 50 steps, 8 x 8 Gaussian memberships,",
         f"order 1, the hybrid rule (here {EPOCHS} epochs; 150 in figure 4.8). With 50 steps a short step",
         "ends before the limit, whatever u, a long one a step before it. B's stretches come out, roughly,",
-        "with per cents of its sides and a state of minimum norm that starts inside the limits; postures inside",
-        "them exist there. Which points are learned from, and where exactly C lies, changes little.",
+        "with per cents of its sides and a state of minimum norm that starts inside the limits; postures",
+        "inside them exist there. Which points are learned from, and where exactly C lies, changes little.",
     ]
     picture = {"anfis_readings": _figure(walks, learned)}
     return Section(
