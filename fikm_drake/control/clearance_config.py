@@ -58,7 +58,8 @@ class ClearanceConfig:
         check_positive_finite("retreat_speed", self.retreat_speed, "m/s")
         if not isinstance(self.rules, str):
             raise ValueError(f"rules must be a name or a path, got {self.rules!r}")
-        if self.rules != ClearanceConfig.rules:  # ours need no check, which is most of a start's time
+        # Ours need no check, which is most of a start's time.
+        if self.rules != ClearanceConfig.rules:
             load_clearance_rules(self.rules)
 
 
