@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from enum import IntEnum
-from math import inf
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -33,8 +33,10 @@ WINDOW, PROGRESS = 6, 0.3
 """A start of the search is given up unless `WINDOW` steps take away this fraction of its error [-]."""
 STARTS = 40
 """Postures from which the search starts before it gives up [-]."""
-ERROR_LIMIT = 0.2
-"""A longer error counts as this long in the search [reach]."""
+ERROR_LIMIT = 0.1
+"""A longer error counts as this long in the search [of the longest that there is]."""
+DAMPING = 0.05
+"""Of the search's steps where an error is that long; it falls with its root [-]."""
 ZONE = 0.05
 """Zone of the joint limits in the search [rad or m]."""
 NEAR = 1e-3
@@ -43,9 +45,9 @@ PASSED = 0.02
 """Distance at which a posture in between is passed [rad or m]."""
 LANDING = 0.25
 """Of what is left of a way a cycle takes at most this fraction, so that filters of the error settle [-]."""
-WAY = 0.1
-"""A radian of way, at `pace` of what the slowest joint lets it, counts as this distance of the tool
-[reach/rad]."""
+WAY = 0.035
+"""A radian of way, at `pace` of what the slowest joint lets it, counts as this much of the
+longest error [1/rad]."""
 LATE = 3.0
 """A way takes at most this many times as long as it should [-]."""
 
@@ -89,7 +91,7 @@ class RestartSearch:
         tolerance: an error up to this is solved [m].
         pace: largest joint motion in a cycle on the way [rad or m].
         turning: joints that take the same posture after a whole turn (n,); None: none does.
-        reach: of the arm, by which errors are judged [m].
+        longest_error: that the task can have, about, by which errors are judged [m].
         limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
         clearance: what the way keeps clear of; None: nothing.
     """
@@ -104,13 +106,13 @@ class RestartSearch:
         tolerance: float,
         pace: float,
         turning: Bools | None = None,
-        reach: float = 1.0,
+        longest_error: float = 2.0,
         limits: JointLimits | None = None,
         clearance: Clearance | None = None,
     ) -> None:
-        self._limits, self._reach = limits, reach
+        self._limits, self._longest_error = limits, longest_error
         self._turning = np.zeros(len(lower), bool) if turning is None else turning
-        self._error_limit = ERROR_LIMIT * reach
+        self._error_limit = ERROR_LIMIT * longest_error
         self._own, self._rest = slice(4, 4 + len(lower)), slice(4 + len(lower), None)
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
@@ -213,7 +215,7 @@ class RestartSearch:
             memory[3] = size
         if size > self._error_limit:
             dr = dr * (self._error_limit / size)
-        damping = 0.1 * (min(size, self._error_limit) / self._reach) ** 0.5
+        damping = DAMPING * min(size / self._error_limit, 1.0) ** 0.5
         step = self._search_step(posture, J, dr, damping)
         memory[self._own] = np.clip(posture + step, self._lower, self._upper)
         memory[1] += 1
@@ -226,7 +228,7 @@ class RestartSearch:
         starts = self._starts + np.where(self._free, q, 0.0)
         starts = np.clip(starts, self._lower, self._upper)
         sizes = [
-            length(self._kinematics(desired, s)[0]) / self._reach
+            length(self._kinematics(desired, s)[0]) / self._longest_error
             + WAY * self._pace * self._cycles(q, self._unwound(s, q))
             for s in starts
         ]
@@ -282,6 +284,7 @@ def make_restart_search(
     Raises:
         ValueError: naming the bad value.
     """
+    turn = getattr(task, "characteristic_length", 0.0)  # [m/rad], of tasks that count turns
     return RestartSearch(
         task.error_and_jacobian,
         task.size,
@@ -290,7 +293,7 @@ def make_restart_search(
         tolerance=check_positive("tolerance", tolerance),
         pace=check_positive("pace", pace),
         turning=task.arm.chain.revolute,
-        reach=task.arm.chain.reach,
+        longest_error=2.0 * task.arm.chain.reach + pi * turn,
         limits=limits,
         clearance=clearance,
     )

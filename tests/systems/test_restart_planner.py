@@ -51,7 +51,7 @@ def test_it_is_the_law(driver):
         tolerance=1e-3,
         pace=1.5 * PERIOD,
         turning=arm.chain.revolute,
-        reach=arm.chain.reach,
+        longest_error=2.0 * arm.chain.reach,
     )
     memory, q, target = law.initial_memory(), np.zeros(2), DEAD_POINT["desired_position"]
     seen = set()
