@@ -32,7 +32,8 @@ def null_space_step(J: Array, motion: Array) -> Array:
         motion: joint motion that is wished for (n,), in any unit.
 
     Returns:
-        (n,) in its unit, with J · result = 0 to rounding; zeros if J or the motion is not finite.
+        (n,) in its unit, with J · result = 0 to rounding; zeros if the motion is none, or if
+        one of both is not finite.
 
     Example:
         >>> import numpy as np
@@ -40,7 +41,7 @@ def null_space_step(J: Array, motion: Array) -> Array:
         >>> null_space_step(np.array([[1.0, 1.0]]), np.array([0.2, 0.0])).round(3).tolist()
         [0.1, -0.1]
     """
-    if not np.isfinite(J).all() or not np.isfinite(motion).all():
+    if not motion.any() or not np.isfinite(J).all() or not np.isfinite(motion).all():
         return np.zeros(len(motion))
     scale = np.sqrt(column_weights(J))
     # Scaling of the rows does not change the row space.

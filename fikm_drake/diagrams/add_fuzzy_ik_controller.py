@@ -1,5 +1,6 @@
 """Factories of the fuzzy IK controller."""
 
+import dataclasses
 from collections.abc import Sequence
 from typing import TypeAlias
 
@@ -66,6 +67,8 @@ def MakeFuzzyIkController(
     """
     config = config or FuzzyIkConfig()
     config.validate()
+    if ports == "controller":  # its nominal posture comes by that port
+        config = dataclasses.replace(config, null_space_motion=True)
     controller = FusedFuzzyIk if config.fused else FuzzyIkController
     whole = as_task(
         plant,
@@ -79,7 +82,9 @@ def MakeFuzzyIkController(
     made = controller(
         plant, config=config, law=law, task=whole, collision_checker=collision_checker
     )
-    return made if ports is None else DrakesPorts(made, whole.arm, ports=ports)
+    if ports is None:
+        return made
+    return DrakesPorts(made, whole.arm, ports=ports, posture_rate=config.posture_rate or 1.0)
 
 
 def AddFuzzyIkController(

@@ -50,22 +50,30 @@ class DrakesPorts(Diagram):
 
     With `ports="controller"` as Drake's `DifferentialInverseKinematicsController`: **desired_poses**, a
     BusValue whose signal of the tool's scoped name (`iiwa14::tool`) is a RigidTransform, and
-    **estimated_state** (nq + nv); **nominal_posture** (n) may be connected and is not looked at, the
-    config's `nominal_position` is. `set_initial_position` does what `SetPositions` does.
+    **estimated_state** (nq + nv). **nominal_posture** (n) [rad or m], may stay unconnected: toward it go the
+    joints as far as the task leaves them free, in a second by the fraction `posture_rate` of the config,
+    or all of the way where that is 0. `set_initial_position` does what `SetPositions` does.
 
     All outputs of `FuzzyIkController` are there too, `status` first of all, which Drake's have not.
 
     Args:
         controller: for a task with a RigidTransform as target.
         arm: the controller's.
-        ports: `integrator` or `controller`.
+        ports: `integrator` or `controller`; for the latter the controller has the port
+            `null_space_motion`.
+        posture_rate: with which `nominal_posture` is approached [1/s].
 
     Raises:
         ValueError: other ports, or a task with another target.
     """
 
     def __init__(
-        self, controller: FuzzyIkController | FusedFuzzyIk, arm: PlantArm, *, ports: str
+        self,
+        controller: FuzzyIkController | FusedFuzzyIk,
+        arm: PlantArm,
+        *,
+        ports: str,
+        posture_rate: float = 1.0,
     ) -> None:
         super().__init__()
         if ports not in PORTS:
@@ -80,7 +88,7 @@ class DrakesPorts(Diagram):
         target, state = PORTS[ports]
         builder = DiagramBuilder()
         ik = builder.AddNamedSystem("fuzzy_ik", controller)
-        selected = _MeasuredJoints(arm.chain, arm.plant.num_multibody_states())
+        selected = _MeasuredJoints(arm.chain, arm.plant.num_multibody_states(), posture_rate)
         joints = builder.AddNamedSystem("measured_joints", selected)
         self._ik, self._joints = ik, joints
         if ports == "controller":
@@ -92,8 +100,10 @@ class DrakesPorts(Diagram):
         builder.ExportInput(joints.get_input_port(0), state)
         if ports == "controller":
             builder.ExportInput(joints.GetInputPort("nominal_posture"), "nominal_posture")
+            motion = ik.GetInputPort("null_space_motion")
+            builder.Connect(joints.GetOutputPort("null_space_motion"), motion)
         builder.Connect(ik.GetOutputPort("commanded_position"), joints.GetInputPort("command"))
-        builder.Connect(joints.get_output_port(), ik.GetInputPort("estimated_position"))
+        builder.Connect(joints.GetOutputPort("joints"), ik.GetInputPort("estimated_position"))
         if ports == "integrator":
             builder.ExportOutput(ik.GetOutputPort("commanded_position"), "joint_positions")
         for i in range(ik.num_output_ports()):
@@ -123,16 +133,21 @@ class DrakesPorts(Diagram):
 
 
 class _MeasuredJoints(LeafSystem):
-    """The chain's joints out of a plant's state, or the command where no state is connected."""
+    """The chain's joints out of a plant's state, or the command where no state is connected.
 
-    def __init__(self, chain: SerialChain, num_states: int) -> None:
+    And the motion toward a nominal posture, none where none is connected.
+    """
+
+    def __init__(self, chain: SerialChain, num_states: int, posture_rate: float) -> None:
         super().__init__()
-        n = chain.num_joints
+        n, self._rate = chain.num_joints, posture_rate
         self._chosen = chain.position_indices
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._command = self.DeclareVectorInputPort("command", n).Eval
-        self.DeclareVectorInputPort("nominal_posture", n)
-        self.DeclareVectorOutputPort("joints", n, self._calc)
+        self._nominal = self.DeclareVectorInputPort("nominal_posture", n)
+        joints = self.DeclareVectorOutputPort("joints", n, self._calc)
+        self._joints = joints.Eval
+        self.DeclareVectorOutputPort("null_space_motion", n, self._calc_motion)
         declare_start(self, self._state, _nothing)
 
     def _calc(self, context: Context, output: BasicVector) -> None:
@@ -140,6 +155,12 @@ class _MeasuredJoints(LeafSystem):
             output.set_value(self._state.Eval(context)[self._chosen])
         else:
             output.set_value(self._command(context))
+
+    def _calc_motion(self, context: Context, output: BasicVector) -> None:
+        if self._nominal.HasValue(context):
+            output.set_value(self._rate * (self._nominal.Eval(context) - self._joints(context)))
+        else:
+            output.SetZero()
 
 
 def _nothing(discrete_state: DiscreteValues, position: Array) -> None:

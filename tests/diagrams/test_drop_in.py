@@ -1,6 +1,7 @@
 """The controller in the place of Drake's own: the same script runs with either."""
 
 import contextlib
+import dataclasses
 import io
 from pathlib import Path
 
@@ -102,3 +103,35 @@ def test_bad_ports_and_tasks_are_named():
         fd.MakeFuzzyIkController(plant, config=CONFIG, ports="qp")
     with pytest.raises(ValueError, match="task='pose'"):
         fd.MakeFuzzyIkController(plant, ports="integrator")
+
+
+@pytest.mark.parametrize("fused", [True, False])
+def test_the_nominal_posture_is_approached_in_the_null_space(fused):
+    """Another elbow for the same pose: the joints go there and the tool stays; without one they stay."""
+    arm = fd.load_arm("iiwa14")
+    target = RigidTransform(arm.forward_kinematics(HOME))
+    motion = fd.trace_self_motion(arm, HOME, "pose").components[0]
+    along = int(np.argmin(np.abs(motion.q - HOME).max(axis=1)))
+    nominal = motion.at(motion.arc_length[along] + 0.5)
+    ends = []
+    for posture in (None, nominal):
+        ik = fd.MakeFuzzyIkController(
+            fd.MakeDhArmPlant(arm),
+            config=dataclasses.replace(CONFIG, fused=fused),
+            ports="controller",
+        )
+        simulator = Simulator(ik)
+        context = simulator.get_mutable_context()
+        bus = BusValue()
+        bus.Set("iiwa14::tool", Value(target))
+        ik.GetInputPort("desired_poses").FixValue(context, Value(bus))
+        if posture is not None:
+            ik.GetInputPort("nominal_posture").FixValue(context, posture)
+        ik.set_initial_position(context, HOME)
+        simulator.AdvanceTo(6.0)
+        q = ik.GetOutputPort("commanded_position").Eval(context)
+        np.testing.assert_allclose(arm.forward_kinematics(q), target.GetAsMatrix4(), atol=2e-3)
+        ends.append(q)
+    np.testing.assert_allclose(ends[0], HOME, atol=1e-6)
+    np.testing.assert_allclose(ends[1], nominal, atol=0.05)
+    assert np.abs(nominal - HOME).max() > 0.2
