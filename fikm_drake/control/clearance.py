@@ -49,6 +49,8 @@ class Around(NamedTuple):
     """The pairs that the arm's joints move; None: the native kernel has them."""
     pairs: int
     """How many they are."""
+    taken: int
+    """The kernel's mark of them."""
 
 
 class Clearance:
@@ -138,13 +140,14 @@ class Clearance:
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return None
         found = self.near.ask(q, others)
-        count, near = -1, None
+        count, near, taken = -1, None, 0
         if self._native:
             count = self._native.take(found, self.near.padded)
+            taken = self._native.taken
         if count < 0:
             near = self.near.of(found, q, others)
             count = len(near.distances)
-        return Around(q, others, found, near, count)
+        return Around(q, others, found, near, count, taken)
 
     def __call__(
         self,
@@ -193,7 +196,7 @@ class Clearance:
         others_before: Array | None = None,
     ) -> tuple[Array, ClearanceInfo]:
         """What a call does, by what is known to be near; the step (n,) is finite."""
-        q, others, found, near, _ = around
+        q, others, found, near, _, taken = around
         after, moved = others, None
         if others is not None and others_before is not None:
             moved = self._moved(q, found, others, others_before)
@@ -203,8 +206,9 @@ class Clearance:
             answer = self._native(
                 step,
                 found,
-                lambda taken: self.near.ask(q + taken, after),
+                lambda step: self.near.ask(q + step, after),
                 LOOKS,
+                taken=taken,
                 J=J,
                 low=low,
                 high=high,
@@ -218,7 +222,7 @@ class Clearance:
         cleared = self._clear(
             step,
             near,
-            lambda taken: self.near(q + taken, after),
+            lambda step: self.near(q + step, after),
             J=J,
             low=low,
             high=high,

@@ -92,6 +92,7 @@ def both(native_kernel, case):
         found,
         lambda step: next(ends),
         LOOKS,
+        taken=-1,
         moved=moved,
         **same,
     )
@@ -116,7 +117,7 @@ def test_what_the_kernel_cannot_take_is_left_to_numpy(native_kernel):
     clear = ClearStep(ClearanceConfig(), 0.01, RATES, np.ones(4))
     assert clear.native(np.arange(4), 4, None) is None
     native = clear.native(np.arange(4), 4, native_kernel)
-    rest = {"low": None, "high": None, "bounds": None, "moved": None}
+    rest = {"taken": -1, "low": None, "high": None, "bounds": None, "moved": None}
 
     def ask(count, rows, distance=0.02, padded=False):
         found = Found(np.full(count, distance), rng.normal(size=(count, 4)))
@@ -134,7 +135,7 @@ def test_threads_do_not_share_buffers(native_kernel):
     rng = np.random.default_rng(4)
     clear = ClearStep(ClearanceConfig(), 0.01, RATES, np.ones(7))
     native = clear.native(np.arange(7), 7, native_kernel)
-    rest = {"J": None, "low": None, "high": None, "bounds": None, "moved": None}
+    rest = {"taken": -1, "J": None, "low": None, "high": None, "bounds": None, "moved": None}
     cases = [
         (0.01 * rng.normal(size=7), Found(rng.uniform(0.02, 0.04, 5), rng.normal(size=(5, 7))))
         for _ in range(3)

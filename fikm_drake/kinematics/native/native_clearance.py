@@ -94,7 +94,8 @@ class NativeClearStep(threading.local):
         for name, value in numbers.items():
             setattr(fields, name, value)
         self._at, n = ctypes.addressof(fields), len(columns)
-        self._taken_up: RobotClearance | None = None
+        self.taken = 0
+        """What a checker said last was taken up this many times: a mark of it that keeps nothing alive."""
         self._step, self._low, self._high, self._taken, self._J = (
             np.ctypeslib.as_array(part)
             for part in (fields.step, fields.low, fields.high, fields.taken, fields.J)
@@ -112,6 +113,7 @@ class NativeClearStep(threading.local):
         look: Callable[[Array], RobotClearance],
         looks: int,
         *,
+        taken: int,
         J: Array | None,
         low: Array | None,
         high: Array | None,
@@ -125,6 +127,7 @@ class NativeClearStep(threading.local):
             found: what the checker says before it.
             look: what it says after a step.
             looks: how often that may be asked.
+            taken: mark of `found` if it was taken up, see `take`; if it was the last, it is not read again.
             J: the task Jacobian (m,n).
             low: least step (n,).
             high: greatest step (n,).
@@ -132,7 +135,7 @@ class NativeClearStep(threading.local):
             moved: what others did to the distances of `found` (k,) [m].
         """
         fields = self._fields
-        if found is not self._taken_up and self.take(found, bool(fields.padded)) < 0:
+        if taken != self.taken and self.take(found, bool(fields.padded)) < 0:
             return None
         self._step[:] = step
         fields.m = 0
@@ -163,19 +166,20 @@ class NativeClearStep(threading.local):
         """How many pairs the arm's joints move of what a checker says; −1: numpy has to count.
 
         Args:
-            found: what it says; a call with the same need not read it again.
+            found: what it says; `taken` is then its mark. Who keeps it beyond the cycle pays for it: Drake
+                sets aside room for all pairs, and two such rooms are not found in the cache.
             padded: the checker has paddings.
         """
-        fields, self._taken_up = self._fields, None
+        fields = self._fields
         fields.padded = padded
+        self.taken += 1
         if not self._read(found) or self._run(self._at, TAKE) != CLEARED:
             return -1
-        self._taken_up = found
         return fields.near
 
     def _look(self, look: Callable[[Array], RobotClearance], looks: int) -> int:
         """Look at the end of the step: it is corrected, then halved, then given up."""
-        self._taken_up = None
+        self.taken += 1
         for i in range(looks):
             if not self._read(look(self._taken)):
                 return TO_NUMPY
