@@ -2,7 +2,11 @@
 
 import pytest
 from hypothesis import settings
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.tree import SpatialInertia
 
+import fikm_drake as fd
 from fikm_drake.kinematics.native.build import LIBRARY, build
 from fikm_drake.kinematics.native.kernel import Kernel
 
@@ -22,3 +26,28 @@ def native_kernel(tmp_path_factory):
         if problem:
             pytest.skip(f"no native kernel: {problem}")
         return Kernel(library)
+
+
+@pytest.fixture(scope="session")
+def checker_with():
+    """checker_with((shape, position), …) -> the checker of an arm among shapes in the world.
+
+    `floating`: each is on a body that moves, whose pose is seven of the positions of all else; its
+    `position` is then where the plant has it by default, the origin.
+    """
+
+    def checker(*shapes, arm="iiwa14", floating=False, padding=0.0):
+        def populate(robot):
+            plant = robot.plant()
+            for i, (shape, position) in enumerate(shapes):
+                body, X = plant.world_body(), RigidTransform(position)
+                if floating:
+                    instance = plant.AddModelInstance(f"thing{i}")
+                    inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
+                    body, X = plant.AddRigidBody(f"thing{i}", instance, inertia), RigidTransform()
+                plant.RegisterCollisionGeometry(body, X, shape, f"shape{i}", CoulombFriction())
+
+        arm = fd.load_arm(arm)
+        return fd.MakeCollisionChecker(arm, populate, robots=[arm.name], robot_padding=padding)
+
+    return checker

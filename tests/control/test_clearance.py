@@ -7,8 +7,6 @@ import pytest
 from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
 from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import CoulombFriction
-from pydrake.multibody.tree import SpatialInertia
 
 import fikm_drake as fd
 from fikm_drake.control.clearance import LOSS, Clearance
@@ -23,27 +21,13 @@ ARM = fd.load_arm("iiwa14")
 TOOL = ARM.forward_kinematics(HOME)[:3, 3]
 
 
-def world(*shapes, floating=False):
-    """A function that adds shapes (shape, position) to the world, or to a body that floats."""
+@pytest.fixture
+def clearance(checker_with):
+    def guard(*shapes, rate=100.0, config=None, floating=False):
+        checker = checker_with(*shapes, floating=floating, padding=0.03)
+        return Clearance(checker, config, period=1.0 / rate)
 
-    def populate(robot):
-        plant = robot.plant()
-        for i, (shape, position) in enumerate(shapes):
-            body, X = plant.world_body(), RigidTransform(position)
-            if floating:
-                instance = plant.AddModelInstance(f"thing{i}")
-                inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
-                body, X = plant.AddRigidBody(f"thing{i}", instance, inertia), RigidTransform()
-            plant.RegisterCollisionGeometry(body, X, shape, f"shape{i}", CoulombFriction())
-
-    return populate
-
-
-def clearance(*shapes, rate=100.0, config=None, floating=False):
-    checker = fd.MakeCollisionChecker(
-        ARM, world(*shapes, floating=floating), robots=["iiwa14"], robot_padding=0.03
-    )
-    return Clearance(checker, config, period=1.0 / rate)
+    return guard
 
 
 def drive(guard, target, seconds=3.0, rate=100.0, start=HOME):
@@ -63,7 +47,7 @@ def drive(guard, target, seconds=3.0, rate=100.0, start=HOME):
 
 @pytest.mark.parametrize("rate", [50.0, 100.0, 1000.0])
 @pytest.mark.parametrize("shape", [Sphere(0.1), Box(0.1, 0.1, 0.3)])
-def test_an_arm_goes_round_and_keeps_the_safe_distance(rate, shape):
+def test_an_arm_goes_round_and_keeps_the_safe_distance(rate, shape, clearance):
     target = TOOL + [-0.1, -0.45, 0.05]
     guard = clearance((shape, 0.5 * (TOOL + target)), rate=rate)
     least, error, last = drive(guard, target, rate=rate, seconds=0.6 if rate > 500 else 3.0)
@@ -72,7 +56,7 @@ def test_an_arm_goes_round_and_keeps_the_safe_distance(rate, shape):
         assert error < 1e-3 and last < 1e-5
 
 
-def test_without_anything_near_the_step_is_the_step():
+def test_without_anything_near_the_step_is_the_step(clearance):
     guard = clearance((Sphere(0.1), [-0.8, 0.0, 0.0]))
     step = np.full(7, 1e-3)
     kept, info = guard(HOME, step)
@@ -81,7 +65,7 @@ def test_without_anything_near_the_step_is_the_step():
 
 
 @pytest.mark.parametrize("away", [0.2, 0.14, 0.1])  # clear; the padding penetrated; penetrated
-def test_rows_are_the_derivatives_of_the_distances(away):
+def test_rows_are_the_derivatives_of_the_distances(away, clearance):
     guard = clearance((Sphere(0.1), TOOL + [0.0, away, 0.0]))
     near = guard.near(HOME)
     assert len(near.distances)
@@ -92,18 +76,28 @@ def test_rows_are_the_derivatives_of_the_distances(away):
         np.testing.assert_allclose(change / 2e-6, near.rows[:, j], atol=1e-5)
 
 
-def test_from_penetration_it_backs_out():
+@pytest.mark.parametrize("kernel", [True, False])
+def test_from_penetration_it_backs_out(clearance, kernel, monkeypatch):
+    """At once, each cycle a little, no faster than the retreat speed; then it rests."""
     guard = clearance((Sphere(0.1), TOOL))
+    if not kernel:
+        monkeypatch.setattr(guard, "_native", None)
     assert guard.distance(HOME) < -0.05
-    least, _, _ = drive(guard, TOOL, seconds=0.02)
-    q = HOME.copy()
+    q, distances = HOME.copy(), []
     for _ in range(150):
-        q = q + guard(q, np.zeros(7))[0]
+        distances.append(guard.distance(q))
+        step, info = guard(q, np.zeros(7))
+        assert info.distance == pytest.approx(distances[-1], abs=1e-12)
+        q = q + step
+    inside = np.array(distances) < guard.config.safe_distance - 1e-3
+    won = np.diff(distances)[inside[1:]]
+    assert (won > 0.0).all()
+    assert won.max() <= 1.5 * guard.config.retreat_speed * guard.period
     assert guard.distance(q) >= guard.config.safe_distance - 1e-3
-    assert least < guard.distance(q)
+    assert np.abs(step).max() < 1e-3
 
 
-def test_the_pair_that_blocks_has_names():
+def test_the_pair_that_blocks_has_names(clearance):
     guard = clearance((Box(0.05, 1.0, 1.0), TOOL + [0.12, 0.0, 0.0]))
     J = ARM.jacobian(HOME)[3:]
     q = HOME.copy()
@@ -118,7 +112,7 @@ def test_the_pair_that_blocks_has_names():
     assert guard.distance(q) == pytest.approx(guard.config.safe_distance, abs=1e-3)
 
 
-def test_the_elbow_gives_way_and_the_tool_goes_on():
+def test_the_elbow_gives_way_and_the_tool_goes_on(clearance):
     """What obstacles take of the task is asked of the joints that are free."""
     elbow = ARM.link_poses(HOME)[3][:3, 3]
     guard = clearance((Sphere(0.05), elbow + [0.0, 0.125, 0.0]))
@@ -133,39 +127,50 @@ def test_the_elbow_gives_way_and_the_tool_goes_on():
     assert not info.blocked
 
 
-def test_what_moves_toward_the_arm_is_evaded():
-    guard = clearance((Sphere(0.08), [0.0, 0.0, 0.0]), floating=True)
-    q, least = HOME.copy(), np.inf
-    before = None
-    for k in range(200):
-        position = TOOL + [0.0, 0.35 - 0.15 * k / 100.0, 0.0]
-        others = np.r_[1.0, 0.0, 0.0, 0.0, position]
-        q = q + guard(q, np.zeros(7), others=others, others_before=before)[0]
-        least = min(least, guard.distance(q, others))
-        before = others
-    assert position[1] < TOOL[1] + 0.06  # it went to where the tool was
-    assert least >= guard.config.safe_distance - 1e-3
+def test_what_moves_toward_the_arm_is_evaded(clearance):
+    """Its speed counts: without it the arm is later, and the distance less."""
+    least = []
+    for seen in (True, False):
+        guard = clearance((Sphere(0.08), [0.0, 0.0, 0.0]), floating=True)
+        q, before, nearest = HOME.copy(), None, np.inf
+        for k in range(200):
+            position = TOOL + [0.0, 0.35 - 0.15 * k / 100.0, 0.0]
+            others = np.r_[1.0, 0.0, 0.0, 0.0, position]
+            q = q + guard(q, np.zeros(7), others=others, others_before=before)[0]
+            nearest = min(nearest, guard.distance(q, others))
+            before = others if seen else None
+        assert position[1] < TOOL[1] + 0.06  # it went to where the tool was
+        least.append(nearest)
+    assert least[0] >= guard.config.safe_distance - 1e-3
+    assert least[1] < least[0] - 1e-4
 
 
-def test_what_a_hand_holds_counts():
-    guard_alone = clearance((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25]))
-    checker = fd.MakeCollisionChecker(
-        ARM,
-        world((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25])),
-        robots=["iiwa14"],
-        robot_padding=0.03,
-    )
+def test_what_a_hand_holds_counts(checker_with):
+    """Its distance, and the step: what is held is kept clear of the table, not only the hand."""
+    checker = checker_with((Box(0.4, 0.4, 0.02), TOOL + [0.0, 0.0, -0.25]), padding=0.03)
     guard = Clearance(checker, period=0.01)
+    alone, (down, _) = guard.distance(HOME), drive_down(guard)
     body = checker.plant().GetBodyByName("tool")
-    stick = RigidTransform([0.0, 0.0, 0.08])
-    checker.AddCollisionShapeToBody("stick", body, Sphere(0.09), stick)
-    assert guard.distance(HOME) < guard_alone.distance(HOME)
+    checker.AddCollisionShapeToBody("ball", body, Sphere(0.09), RigidTransform([0.0, 0.0, 0.08]))
+    assert guard.distance(HOME) < alone
+    held, q = drive_down(guard)
+    assert held < down - 0.05
+    assert guard.distance(q) >= guard.config.safe_distance - LOSS
     checker.RemoveAllAddedCollisionShapes()
-    assert guard.distance(HOME) == guard_alone.distance(HOME)
+    assert guard.distance(HOME) == alone
+
+
+def drive_down(guard):
+    """How far down the tool comes [m], and where the joints then are."""
+    q = HOME.copy()
+    for _ in range(200):
+        J = ARM.jacobian(q)[3:]
+        q = q + guard(q, np.linalg.pinv(J) @ [0.0, 0.0, -0.005], J=J)[0]
+    return TOOL[2] - ARM.forward_kinematics(q)[2, 3], q
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_not_finite_never_reaches_the_checker(bad):
+def test_not_finite_never_reaches_the_checker(bad, clearance):
     guard = clearance((Sphere(0.1), TOOL), floating=True)
     broken, fine = HOME.copy(), np.zeros(7)
     broken[2] = bad
@@ -181,7 +186,7 @@ def test_not_finite_never_reaches_the_checker(bad):
     assert not guard.is_clear(broken)
 
 
-def test_a_step_that_would_leap_over_an_obstacle_is_shortened():
+def test_a_step_that_would_leap_over_an_obstacle_is_shortened(clearance):
     guard = clearance((Sphere(0.02), TOOL + [0.0, 0.4, 0.0]))
     leap = np.array([1.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     q, least = HOME.copy(), np.inf
@@ -229,7 +234,7 @@ def test_the_table_is_the_rules():
     assert (np.diff(table.consequents[outside], axis=0) >= -1e-12).all()
 
 
-def test_rules_of_your_own(tmp_path):
+def test_rules_of_your_own(tmp_path, clearance):
     config = load_clearance_rules("clearance").config
     config.rules = [dataclasses.replace(rule, then={"rate": "CAREFUL"}) for rule in config.rules]
     path = tmp_path / "careful.yaml"

@@ -53,12 +53,12 @@ def run(ports):
     """run(plant, config, start, desired (N,m) or N poses) -> outputs of every cycle, as arrays.
 
     `measure(k, commanded)` gives the measured joints where the config wants them; `only` names the
-    outputs that are wanted, if not all. The outputs are read before the cycle's update; `after` is the
-    command after the last.
+    outputs that are wanted, if not all; `checker` sees obstacles. The outputs are read before the cycle's
+    update; `after` is the command after the last.
     """
 
-    def run(plant, config, start, desired, measure=None, only=None):
-        controller = fd.MakeFuzzyIkController(plant, config=config)
+    def run(plant, config, start, desired, measure=None, only=None, checker=None):
+        controller = fd.MakeFuzzyIkController(plant, config=config, collision_checker=checker)
         context = controller.CreateDefaultContext()
         controller.SetPositions(context, start)
         command = controller.GetOutputPort("commanded_position")

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+from pydrake.geometry import Box
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.controllers import InverseDynamicsController
@@ -57,7 +58,7 @@ def test_an_unconnected_input_is_an_error_and_not_a_guess(plant, fused):
         controller.GetOutputPort("status").Eval(controller.CreateDefaultContext())
 
 
-def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
+def test_every_status_is_reached(plant_with, scenario_inputs, run, checker_with, fused):
     seen = {}
     for name in ("large_step_2", "table6_2s"):
         arm, config, start, desired = scenario_inputs(name, fused=fused)
@@ -75,7 +76,11 @@ def test_every_status_is_reached(plant_with, scenario_inputs, run, fused):
     start, config = np.array(start), fd.FuzzyIkConfig(fused=fused)
     far = run(plant_with("panda"), config, start, [[0.4, 0.0, 0.4]] * 2, lambda k, q: q + 0.9)
     seen.setdefault(Status(int(far["status"][-1, 0])), "far from its command")
-    assert set(seen) == set(Status) - {Status.BLOCKED}  # that one is in test_obstacles.py
+    wall = checker_with((Box(0.05, 2.0, 2.0), [0.75, 0.0, 0.5]), arm="panda")
+    before = run(plant_with("panda"), config, start, [[1.0, 0.0, 0.5]] * 100, checker=wall)
+    for status in before["status"].ravel():
+        seen.setdefault(Status(int(status)), "before a wall")
+    assert set(seen) == set(Status)
 
 
 @pytest.mark.parametrize(

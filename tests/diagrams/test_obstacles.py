@@ -3,9 +3,6 @@
 import numpy as np
 import pytest
 from pydrake.geometry import Box, Sphere
-from pydrake.math import RigidTransform
-from pydrake.multibody.plant import CoulombFriction
-from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import LeafSystem
 
 import fikm_drake as fd
@@ -19,20 +16,6 @@ SAFE = fd.ClearanceConfig().safe_distance
 @pytest.fixture(scope="module")
 def plant():
     return fd.MakeDhArmPlant(ARM)
-
-
-def checker(*shapes, floating=False):
-    def populate(robot):
-        plant = robot.plant()
-        for i, (shape, position) in enumerate(shapes):
-            body, X = plant.world_body(), RigidTransform(position)
-            if floating:
-                instance = plant.AddModelInstance(f"thing{i}")
-                inertia = SpatialInertia.SolidSphereWithMass(1.0, 0.1)
-                body, X = plant.AddRigidBody(f"thing{i}", instance, inertia), RigidTransform()
-            plant.RegisterCollisionGeometry(body, X, shape, f"shape{i}", CoulombFriction())
-
-    return fd.MakeCollisionChecker(ARM, populate, robots=["iiwa14"])
 
 
 def config(fused, **changes):
@@ -60,9 +43,9 @@ def drive(controller, target, cycles, each=None, start=HOME):
 WALL = Box(0.05, 1.0, 1.0), TOOL + [0.2, 0.0, 0.0]
 
 
-def test_diagram_and_fused_are_one(plant):
+def test_diagram_and_fused_are_one(plant, checker_with):
     target = TOOL + [0.3, -0.1, 0.0]
-    seen = checker(WALL, (Sphere(0.1), TOOL + [0.1, -0.3, 0.0]))
+    seen = checker_with(WALL, (Sphere(0.1), TOOL + [0.1, -0.3, 0.0]))
     runs = []
     for fused in (False, True):
         controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
@@ -75,8 +58,8 @@ def test_diagram_and_fused_are_one(plant):
         np.testing.assert_array_equal(one, two)
 
 
-def test_before_a_wall_it_is_blocked_rests_and_names_the_wall(plant, fused):
-    seen = checker(WALL)
+def test_before_a_wall_it_is_blocked_rests_and_names_the_wall(plant, fused, checker_with):
+    seen = checker_with(WALL)
     controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
     q, status, context = drive(controller, TOOL + [0.4, 0.0, 0.0], 400)
     guard = fd.Clearance(seen, period=0.01)
@@ -89,9 +72,9 @@ def test_before_a_wall_it_is_blocked_rests_and_names_the_wall(plant, fused):
     assert one.startswith("iiwa14::") and two == "WorldModelInstance::world"
 
 
-def test_behind_a_ball_it_gets_there(plant, fused):
+def test_behind_a_ball_it_gets_there(plant, fused, checker_with):
     target = TOOL + [-0.1, -0.45, 0.05]
-    seen = checker((Sphere(0.1), 0.5 * (TOOL + target)))
+    seen = checker_with((Sphere(0.1), 0.5 * (TOOL + target)))
     controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
     q, status, _ = drive(controller, target, 300)
     guard = fd.Clearance(seen, period=0.01)
@@ -99,8 +82,8 @@ def test_behind_a_ball_it_gets_there(plant, fused):
     assert status[-1] == fd.ControllerStatus.CONVERGED
 
 
-def test_what_comes_is_evaded_and_lost_obstacles_hold_the_arm(plant, fused):
-    seen = checker((Sphere(0.08), [0.0, 0.0, 0.0]), floating=True)
+def test_what_comes_is_evaded_and_lost_obstacles_hold_the_arm(plant, fused, checker_with):
+    seen = checker_with((Sphere(0.08), [0.0, 0.0, 0.0]), floating=True)
     controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
     guard, clear = fd.Clearance(seen, period=0.01), []
 
@@ -118,10 +101,10 @@ def test_what_comes_is_evaded_and_lost_obstacles_hold_the_arm(plant, fused):
     assert (q[171:] == q[171]).all() and np.isfinite(q).all()
 
 
-def test_without_a_checker_nothing_changes(plant, fused):
+def test_without_a_checker_nothing_changes(plant, fused, checker_with):
     target = TOOL + [-0.1, -0.25, 0.05]
     free, _, context = drive(fd.MakeFuzzyIkController(plant, config=config(fused)), target, 60)
-    far = checker((Sphere(0.1), [3.0, 0.0, 0.0]))
+    far = checker_with((Sphere(0.1), [3.0, 0.0, 0.0]))
     controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=far)
     q, _, _ = drive(controller, target, 60)
     np.testing.assert_allclose(q, free, atol=1e-12)
@@ -135,6 +118,28 @@ def test_a_checker_of_another_plant_is_refused(plant, fused):
     bad = config(fused, clearance=fd.ClearanceConfig(safe_distance=-1.0))
     with pytest.raises(ValueError, match="safe_distance"):
         fd.MakeFuzzyIkController(plant, config=bad)
+    with pytest.raises(ValueError, match="MakeCollisionChecker"):
+        fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker="cell.dmd.yaml")
+
+
+def test_from_a_start_in_penetration_it_backs_out_and_goes_on(plant, fused, checker_with):
+    seen = checker_with((Sphere(0.1), TOOL + [0.0, 0.08, 0.0]))
+    guard = fd.Clearance(seen, period=0.01)
+    assert guard.distance(HOME) < -0.01
+    controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
+    target = TOOL + [0.0, -0.3, 0.0]
+    q, status, _ = drive(controller, target, 300)
+    distances = np.array([guard.distance(x) for x in q])
+    assert np.isfinite(q).all() and (np.diff(distances[distances < SAFE]) > 0.0).all()
+    assert distances[-1] >= SAFE and status[-1] == fd.ControllerStatus.CONVERGED
+
+
+def test_a_target_that_is_not_finite_holds_the_arm_among_obstacles(plant, fused, checker_with):
+    seen = checker_with(WALL)
+    controller = fd.MakeFuzzyIkController(plant, config=config(fused), collision_checker=seen)
+    q, status, _ = drive(controller, np.array([0.5, np.nan, 0.5]), 10)
+    assert (q == HOME).all()
+    assert (status == fd.ControllerStatus.INVALID_INPUT).all()
 
 
 def test_null_space_motion_leaves_the_task_alone(plant, fused):
@@ -188,8 +193,8 @@ class Push(LeafSystem):
         )
 
 
-def test_behind_somebody_elses_command_it_keeps_clear_too(plant):
-    seen = checker(WALL)
+def test_behind_somebody_elses_command_it_keeps_clear_too(plant, checker_with):
+    seen = checker_with(WALL)
     push = np.linalg.pinv(ARM.jacobian(HOME)[3:]) @ [0.2, 0.0, 0.0]
     system = fd.SupervisedDifferentialIk(Push(push), plant, period=0.01, collision_checker=seen)
     context = system.CreateDefaultContext()
