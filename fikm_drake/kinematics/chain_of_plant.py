@@ -11,6 +11,7 @@ from pydrake.multibody.tree import Frame, Joint, ModelInstanceIndex
 from pydrake.systems.framework import Context
 
 from fikm_drake.arrays import Array
+from fikm_drake.kinematics.checker_joints import scoped_joint_name
 from fikm_drake.kinematics.plant_frames import as_frame, frame_by_name
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.transforms import TURN_OVER
@@ -82,6 +83,7 @@ def chain_of_plant(
         default_position=np.clip(plant.GetPositions(context)[positions], lower, upper),
         position_indices=positions,
         velocity_indices=np.array([joint.velocity_start() for joint in moving], dtype=np.intp),
+        scoped_joint_names=tuple(scoped_joint_name(joint, plant) for joint in moving),
     )
 
 

@@ -48,6 +48,7 @@ class SerialChain:
         default_position: (n,) [rad or m], inside the limits.
         position_indices, velocity_indices: (n,) where the joints stand in a plant's q and v; None
             where there is no plant.
+        scoped_joint_names: n names in a plant, `instance::joint`; None where there is no plant.
 
     The arrays cannot be written to.
 
@@ -67,6 +68,7 @@ class SerialChain:
     default_position: Array
     position_indices: NDArray[np.intp] | None = None
     velocity_indices: NDArray[np.intp] | None = None
+    scoped_joint_names: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         n = len(self.kinds)

@@ -166,8 +166,9 @@ def joint_path(
     check_counts(0, seed=seed)
     guard = None
     if collision_checker is not None:
-        names = None if chain.position_indices is None else list(chain.joint_names)
-        guard = Clearance(collision_checker, clearance, period=0.02, joints=names)
+        guard = Clearance(
+            collision_checker, clearance, period=0.02, joints=chain.scoped_joint_names
+        )
         if guard.num_joints != chain.num_joints:
             raise ValueError(
                 f"collision_checker has a robot of {guard.num_joints} joints, the arm {chain.num_joints}"

@@ -6,7 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
 from pydrake.trajectories import PiecewisePolynomial, PiecewisePose
 
 import fikm_drake as fd
@@ -93,23 +95,93 @@ def test_out_of_reach_and_bad_targets_have_a_status_and_the_joints_stay():
     assert fd.joint_path(PANDA, bent).status.tolist() == [0, 0]
 
 
-def test_with_obstacles_the_forearm_gives_way():
+def test_with_obstacles_the_forearm_gives_way(checker_with):
     points = np.tile(PANDA.forward_kinematics(HOME)[:3, 3], (30, 1))
     points[:, 1] += np.linspace(0.0, 0.35, 30)
     alone = fd.joint_path(PANDA, points, initial_position=HOME)
     arm = PANDA.link_poses(alone.q)[:, [3, 5], :3, 3].mean(axis=1)  # middle of the forearm
     beside = arm[-1] + 0.07 * (arm[-1] - arm[0]) / np.linalg.norm(arm[-1] - arm[0])
 
-    def populate(robot):
-        plant, X = robot.plant(), RigidTransform(beside)
-        plant.RegisterCollisionGeometry(plant.world_body(), X, Sphere(0.02), "s", CoulombFriction())
-
-    checker = fd.MakeCollisionChecker(PANDA, populate, robot_padding=0.03)
+    checker = checker_with((Sphere(0.02), beside), arm="panda", padding=0.03)
     guard = fd.Clearance(checker, period=0.01)
     assert guard.is_clear(HOME) and not all(guard.is_clear(q) for q in alone.q)
     path = fd.joint_path(PANDA, points, initial_position=HOME, collision_checker=checker)
     assert path.success
     assert all(guard.is_clear(q) for q in path.q)
+
+
+@pytest.fixture(scope="module")
+def two_arms():
+    """A plant of two UR5 side by side, half a metre apart, and its scene."""
+    plant, scene_graph = AddMultibodyPlantSceneGraph(DiagramBuilder(), 0.0)
+    urdf, parser = fd.load_arm("ur5").to_urdf(), Parser(plant)
+    for name, y in (("left", 0.25), ("right", -0.25)):
+        named = urdf.replace('<robot name="ur5"', f'<robot name="{name}"')
+        (arm,) = parser.AddModelsFromString(named, "urdf")
+        base = plant.GetFrameByName("base", arm)
+        plant.WeldFrames(plant.world_frame(), base, RigidTransform([0.0, y, 0.0]))
+    plant.Finalize()
+    return plant, scene_graph
+
+
+UR5_HOME = np.array([0.0, -1.3, 1.6, -1.9, -1.57, 0.0])
+
+
+def test_one_arm_of_two_in_a_plant_follows_in_the_world(two_arms):
+    plant, _ = two_arms
+    chain = fd.SerialChain.from_plant(plant, "right::tool")
+    start = chain.forward_kinematics(UR5_HOME)[:3, 3]
+    points = start + np.outer(np.linspace(0.0, 1.0, 20), [0.0, 0.1, 0.1])
+    path = fd.joint_path(chain, points, initial_position=UR5_HOME)
+    assert path.success and path.trajectory().rows() == 6
+    context = plant.CreateDefaultContext()
+    everything = plant.GetPositions(context)
+    tool = plant.GetFrameByName("tool", plant.GetModelInstanceByName("right"))
+    for q, point in zip(path.q, points):
+        plant.SetPositions(context, chain.to_full(q, everything))
+        np.testing.assert_allclose(tool.CalcPoseInWorld(context).translation(), point, atol=2e-6)
+        left = plant.GetPositions(context, plant.GetModelInstanceByName("left"))
+        np.testing.assert_array_equal(left, everything[:6])
+
+
+def test_one_arm_of_two_keeps_clear_of_the_other(two_arms):
+    """Their joints have the same names; the other arm stands where the plant has it by default."""
+    plant, scene_graph = two_arms
+    checker = fd.MakeCollisionChecker(plant, scene_graph=scene_graph, robot_padding=0.02)
+    chain = fd.SerialChain.from_plant(plant, "right::tool")
+    assert chain.scoped_joint_names[0] == "right::joint1"
+    guard = fd.Clearance(checker, period=0.01, joints=chain.scoped_joint_names)
+    start = chain.forward_kinematics(UR5_HOME)[:3, 3]
+    elbow = plant.GetBodyByName("link3", plant.GetModelInstanceByName("left"))
+    there = plant.EvalBodyPoseInWorld(plant.CreateDefaultContext(), elbow).translation()
+    toward = np.linspace(start, there + [-0.1, 0.0, 0.02], 30)  # into the other forearm
+    alone = fd.joint_path(chain, toward, initial_position=UR5_HOME)
+    assert alone.success and not all(guard.is_clear(q) for q in alone.q)
+    path = fd.joint_path(chain, toward, initial_position=UR5_HOME, collision_checker=checker)
+    assert 20 < path.reached.sum() < 30
+    assert all(guard.is_clear(q) for q in path.q[path.reached])
+    with pytest.raises(ValueError, match="right::joint1.*panda::joint1"):
+        other = fd.MakeCollisionChecker(PANDA)
+        fd.joint_path(chain, toward, collision_checker=other)
+
+
+def test_relative_to_another_arms_tool(two_arms):
+    """In the frame of one tool, which stands where its arm is by default."""
+    plant, _ = two_arms
+    chain = fd.SerialChain.from_plant(plant, "right::tool", base="left::tool")
+    q = UR5_HOME
+    points = np.tile(chain.forward_kinematics(q)[:3, 3], (15, 1))
+    points[:, 2] += np.linspace(0.0, 0.1, 15)
+    path = fd.joint_path(chain, points, initial_position=q)
+    assert path.success
+    context = plant.CreateDefaultContext()
+    plant.SetPositions(context, chain.to_full(path.q[-1], plant.GetPositions(context)))
+    right, left = (
+        plant.GetFrameByName("tool", plant.GetModelInstanceByName(name))
+        for name in ("right", "left")
+    )
+    found = right.CalcPose(context, left).translation()
+    np.testing.assert_allclose(found, points[-1], atol=2e-6)
 
 
 def test_trajectory_keeps_the_limits_and_the_path():
