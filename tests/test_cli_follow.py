@@ -47,7 +47,8 @@ def test_out_of_reach_is_exit_1_with_the_table_all_the_same(tmp_path, capsys):
     way.write_text("0.4,0,0.5\n5,0,0\n")
     out = tmp_path / "out.csv"
     assert main(["follow", "panda", str(way), "--out", str(out)]) == 1
-    assert "1 not_reached" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "1 not_reached" in said and "  target 1: NOT_REACHED, 4" in said and "mm from it" in said
     assert out.read_text().count("NOT_REACHED") == 1
     assert main(["follow", "panda", str(way), "--times", str(tmp_path / "t.csv")]) == 1
     assert "target 1 is NOT_REACHED" in capsys.readouterr().err

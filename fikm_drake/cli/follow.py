@@ -58,6 +58,8 @@ def _follow(options: argparse.Namespace) -> int:
             ) from None
     path = joint_path(chain, load_path_csv(options.way), task=options.task, initial_position=start)
     print(f"{options.way}: {str(path)[1:-1]}")
+    for line in path.explain():
+        print(f"  {line}")
     good = path.success
     if good:
         print(f"fastest inside the limits: {path.trajectory().end_time():.3f} s")

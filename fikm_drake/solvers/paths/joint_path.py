@@ -92,6 +92,32 @@ class JointPath:
             acceleration_limits=acceleration_limits,
         )
 
+    def explain(self, most: int = 5) -> list[str]:
+        """A line for each target that was not followed: what is wrong there.
+
+        Args:
+            most: lines; what is left is counted in one more.
+        """
+        lines = []
+        bad = np.flatnonzero(self.status != PathStatus.FOLLOWED).tolist()
+        for k in bad[:most]:
+            status = PathStatus(int(self.status[k]))
+            why = "not finite, or no pose"
+            if status == PathStatus.NOT_REACHED:
+                why = f"{1e3 * self.error[k]:.1f} mm from it; the joints stay"
+            elif status == PathStatus.RECONFIGURED:
+                turn = self.q[k] - self.q[k - 1]
+                joint = int(np.abs(turn).argmax())
+                unit = "m" if self.chain.kinds[joint] == "prismatic" else "rad"
+                why = (
+                    "reached, but the joints have to change posture before it: "
+                    f"{self.chain.joint_names[joint]} by {turn[joint]:.3g} {unit}"
+                )
+            lines.append(f"target {k}: {status.name}, {why}")
+        if len(bad) > most:
+            lines.append(f"and {len(bad) - most} more")
+        return lines
+
     def save_csv(self, path: str | Path) -> None:
         """Write `target, joint names…, status, error_m`, a line a target.
 
@@ -157,10 +183,10 @@ def joint_path(
     chain = as_chain(arm)
     array = path_targets(targets, samples=samples)
     task = task or ("position" if array.ndim == 2 else "pose")
-    if task not in ("position", "pose") or (task == "pose" and array.ndim == 2):
-        raise ValueError(
-            f"task must be 'position', or with poses 'pose', got {task!r} and {array.shape}"
-        )
+    if task not in ("position", "pose"):
+        raise ValueError(f"task must be 'position', or with poses 'pose', got {task!r}")
+    if task == "pose" and array.ndim == 2:
+        raise ValueError("task 'pose' needs poses, but the targets are positions (N,3)")
     if task == "position" and array.ndim == 3:
         array = array[:, :3, 3]
     check_counts(0, seed=seed)
@@ -186,7 +212,9 @@ def _checked_start(chain: SerialChain, start: ArrayLike) -> Array:
     q = np.array(start, dtype=float)
     n = chain.num_joints
     if q.shape != (n,) or not np.isfinite(q).all():
-        raise ValueError(f"initial_position must be {n} finite numbers [rad or m], got {start!r}")
+        raise ValueError(
+            f"initial_position must be {n} finite numbers [rad or m], got {q.tolist()}"
+        )
     if (q < chain.lower).any() or (q > chain.upper).any():
         joint = int(np.flatnonzero((q < chain.lower) | (q > chain.upper))[0])
         raise ValueError(

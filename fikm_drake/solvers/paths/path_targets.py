@@ -76,9 +76,11 @@ def load_path_csv(path: str | Path) -> Array:
         Positions (N,3) or poses (N,4,4).
 
     Raises:
-        OSError: the file cannot be read.
+        OSError: the file cannot be read; FileNotFoundError if there is none.
         ValueError: naming the file, the line and what is wrong with it.
     """
+    if not Path(path).is_file():
+        raise FileNotFoundError(f"no file of targets {path}")
     rows: list[list[float]] = []
     for number, line in enumerate(Path(path).read_text(encoding="utf-8").splitlines(), start=1):
         cells = [cell.strip() for cell in line.split("#")[0].replace(";", ",").split(",")]

@@ -77,6 +77,9 @@ def test_a_reconfiguration_is_told_with_its_place():
     assert -1.0 <= path.q[k - 1][0] < -0.9  # where the shoulder came to its limit
     assert path.reached.all() and not path.success
     assert f"at target {k}" in repr(path)
+    (line,) = path.explain()
+    turn = path.q[k] - path.q[k - 1]
+    assert f"target {k}: RECONFIGURED" in line and f"joint2 by {turn[1]:.3g} rad" in line
     with pytest.raises(ValueError, match=f"target {k} is RECONFIGURED"):
         path.trajectory()
 
@@ -90,6 +93,8 @@ def test_out_of_reach_and_bad_targets_have_a_status_and_the_joints_stay():
     assert all(names[k] == "FOLLOWED" for k in (0, 1, 3, 5))
     assert (path.q[2] == path.q[1]).all() and np.isfinite(path.q).all()
     assert np.isnan(path.error[2]) and path.error[4] > 1.0
+    lines = path.explain(1)
+    assert lines == ["target 2: INVALID_INPUT, not finite, or no pose", "and 1 more"]
     assert fd.joint_path(PANDA, np.full((2, 3), np.inf)).status.tolist() == [0, 0]
     bent = np.tile(np.diag([1.0, 1.0, -1.0, 1.0]), (2, 1, 1))
     assert fd.joint_path(PANDA, bent).status.tolist() == [0, 0]
