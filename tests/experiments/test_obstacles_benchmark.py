@@ -5,6 +5,7 @@ import pytest
 
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.clearance_config import ClearanceConfig
+from fikm_drake.experiments.benchmarks.obstacle_pink import has_pink, run_pink
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.benchmarks.obstacles_benchmark import (
     DRAKE,
@@ -38,3 +39,13 @@ def test_scenes_are_seeded_and_their_start_is_clear():
 def test_bad_counts():
     with pytest.raises(ValueError, match="scenes"):
         obstacles_benchmark(scenes=0)
+
+
+@pytest.mark.skipif(not has_pink(), reason="Pink is not installed")
+def test_pinks_barrier_keeps_the_distances_of_the_same_shapes():
+    scene = obstacle_scenes("iiwa14", "second arm", "position", 1, seed=0)[0]
+    checker, near = scene.checker(), ClearanceConfig()
+    q, times = run_pink(scene, checker, rate=100.0, seconds=1.0, clearance=near)
+    guard = Clearance(checker, period=0.01)
+    assert min(guard.distance(x) for x in q) >= near.safe_distance - 1e-3
+    assert np.abs(q[-1] - scene.start).max() > 0.05 and (times > 0.0).all()

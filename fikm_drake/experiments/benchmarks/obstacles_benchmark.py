@@ -1,4 +1,4 @@
-"""Past obstacles: ours beside Drake's differential IK (`fikm-drake benchmark obstacles`)."""
+"""Past obstacles: ours beside Drake's differential IK, and Pink (`fikm-drake benchmark obstacles`)."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from fikm_drake.checks import check_counts
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
+from fikm_drake.experiments.benchmarks.obstacle_pink import has_pink, run_pink
 from fikm_drake.experiments.benchmarks.obstacle_runs import DrakeSettings, run_drake, run_ours
 from fikm_drake.experiments.benchmarks.obstacle_scenes import (
     HOME,
@@ -26,11 +27,13 @@ from fikm_drake.kinematics.load_arm import load_arm
 
 RATE, SECONDS = 100.0, 12.0
 """Rate, seconds of every run [Hz, s]."""
-RATES = (50.0, 1000.0)
-"""At which one scene of each class of one arm is run once more, for its clearance [Hz]."""
+RATES = (50.0, 200.0, 1000.0)
+"""At which one scene of each class is run once more, for its clearance [Hz]."""
+SEEDS = (0, 1)
+"""Of the scenes."""
 TAIL = 20
 """Cycles at the end in which motion is measured (-)."""
-OURS, SEARCH, DRAKE = "fuzzy IK", "fuzzy IK, restart search", "Drake"
+OURS, SEARCH, DRAKE, PINK = "fuzzy IK", "fuzzy IK, restart search", "Drake", "Pink"
 Run = Callable[[ObstacleScene, CollisionChecker], tuple[Array, Array]]
 
 
@@ -62,6 +65,7 @@ def obstacles_benchmark(
     seconds: float = SECONDS,
     seed: int = 0,
     settings: DrakeSettings | None = None,
+    pink: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> list[ObstacleRow]:
     """Run every method in every scene, with one checker, one safe distance, the same limits of speed.
@@ -74,6 +78,7 @@ def obstacles_benchmark(
         seconds: of a run [s].
         seed: of the scenes.
         settings: Drake's; None: the defaults of `DrakeSettings`.
+        pink: run Pink too, which must be installed.
         progress: called after each class with the fraction done.
 
     Raises:
@@ -92,6 +97,8 @@ def obstacles_benchmark(
             settings=settings or DrakeSettings(),
         ),
     }
+    if pink:
+        methods[PINK] = partial(run_pink, rate=RATE, seconds=seconds, clearance=near)
     rows = []
     classes = [(arm, kind, task) for arm in arms for kind in kinds for task in tasks]
     with quiet_drake():
@@ -106,33 +113,66 @@ def obstacles_benchmark(
     return rows
 
 
-def clearance_at(rate: float, *, arm: str = "iiwa14", seed: int = 0, seconds: float = 3.0) -> float:
-    """Smallest clearance of ours in a scene of every class of an arm, at another rate [Hz], [m]."""
+def clearance_at(
+    rate: float, *, arms: Sequence[str] = tuple(HOME), seed: int = 0, seconds: float = 3.0
+) -> float:
+    """Smallest clearance of ours in a scene of every class at another rate [Hz], [m]."""
     least = np.inf
     with quiet_drake():
-        for kind, task in [(k, t) for k in KINDS for t in TASKS]:
-            for scene in obstacle_scenes(arm, kind, task, 1, seed):
-                checker = scene.checker()
-                q, _ = run_ours(
-                    scene,
-                    checker,
-                    rate=rate,
-                    seconds=seconds,
-                    clearance=ClearanceConfig(),
-                    restart_search=True,
-                )
-                least = min(least, _clearance(checker, q))
+        for scene in _one_of_each(arms, seed):
+            checker = scene.checker()
+            q, _ = run_ours(
+                scene,
+                checker,
+                rate=rate,
+                seconds=seconds,
+                clearance=ClearanceConfig(),
+                restart_search=True,
+            )
+            least = min(least, _clearance(checker, q))
     return float(least)
+
+
+def microseconds_without(*, seed: int = 0, seconds: float = 3.0) -> float:
+    """CPU time of a cycle of ours without a checker, median over a scene of every class [µs]."""
+    runs = [
+        run_ours(
+            scene,
+            None,
+            rate=RATE,
+            seconds=seconds,
+            clearance=ClearanceConfig(),
+            restart_search=False,
+        )
+        for scene in _one_of_each(tuple(HOME), seed)
+    ]
+    return 1e6 * float(np.median([np.median(times) for _, times in runs]))
+
+
+def _one_of_each(arms: Sequence[str], seed: int) -> Iterator[ObstacleScene]:
+    for arm in arms:
+        for kind in KINDS:
+            for task in TASKS:
+                yield from obstacle_scenes(arm, kind, task, 1, seed)
 
 
 def table(scenes: int, progress: Callable[[float], None]) -> BenchmarkTable:
     """The benchmark's text and rows."""
-    rows = obstacles_benchmark(scenes=scenes, progress=progress)
-    rates = [
-        f"{OURS} at {rate:g} Hz, iiwa14, a scene of each class: {1e3 * clearance_at(rate):.2f} mm"
-        for rate in RATES
-    ]
-    return BenchmarkTable([*_lines(rows), *rates], rows)
+    lines, rows = [], []
+    for k, seed in enumerate(SEEDS):
+        found = obstacles_benchmark(
+            scenes=scenes,
+            seed=seed,
+            pink=has_pink(),
+            progress=lambda done, k=k: progress((k + done) / len(SEEDS)),  # type: ignore[misc]
+        )
+        lines += [f"seed {seed}", *_lines(found)]
+        rows += found
+    for rate in RATES:
+        least = clearance_at(rate)
+        lines.append(f"{OURS} at {rate:g} Hz, a scene of each class: {1e3 * least:.2f} mm")
+    lines.append(f"{OURS} without a checker: {microseconds_without():.0f} us a cycle")
+    return BenchmarkTable(lines, rows)
 
 
 def _row(
@@ -180,10 +220,17 @@ def _lines(rows: list[ObstacleRow]) -> Iterator[str]:
             f"  {row.arm:7s} {row.kind:10s} {row.task:8s} {row.method:25s} {row.reached:2d} of "
             f"{row.scenes:2d} | {1e3 * row.clearance:7.2f} | {row.tail:8.1e} | {row.microseconds:4.0f}"
         )
-    for method in (OURS, SEARCH, DRAKE):
+    for method in dict.fromkeys(row.method for row in rows):
         own = [row for row in rows if row.method == method]
         yield (
             f"{method}: {sum(r.reached for r in own)} of {sum(r.scenes for r in own)} reached, clearance "
             f"{1e3 * min(r.clearance for r in own):.2f} mm, motion {max(r.tail for r in own):.1e} rad, "
             f"{np.median([r.microseconds for r in own]):.0f} us"
         )
+    by_class = {(row.arm, row.kind, row.task, row.method): row.reached for row in rows}
+    fewer = [
+        f"{row.arm} {row.kind} {row.task}"
+        for row in rows
+        if row.method == SEARCH and row.reached < by_class[row.arm, row.kind, row.task, DRAKE]
+    ]
+    yield f"classes in which {SEARCH} reaches fewer than {DRAKE}: {', '.join(fewer) or 'none'}"

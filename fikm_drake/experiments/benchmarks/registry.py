@@ -63,11 +63,11 @@ BENCHMARKS = {
         hard_benchmark.table,
     ),
     "obstacles": Benchmark(
-        "past obstacles, beside Drake's differential IK",
+        "past obstacles, beside Drake's differential IK, and Pink where installed",
         "scenes",
         3,
         obstacles_benchmark.table,
-        "seed 0",
+        "seeds 0 and 1",
     ),
     "poses": Benchmark(
         "poses reached in the loop, calm out of reach", "poses", 60, pose_benchmark.table, "seed 0"
