@@ -1,10 +1,12 @@
 """Files are written whole or not at all: every saver of the library goes through here."""
 
 import contextlib
+import csv
+import io
 import os
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
@@ -68,6 +70,19 @@ def write_whole(path: str | Path, data: str | bytes) -> None:
     """
     with whole_file(path) as file:
         file.write(data.encode("utf-8") if isinstance(data, str) else data)
+
+
+def write_csv(path: str | Path, rows: Iterable[Iterable[object]]) -> None:
+    """Write a CSV file row by row, whole or not at all; see `whole_file`.
+
+    Raises:
+        OSError: it cannot be written; the error names `path`.
+    """
+    with whole_file(path) as file:
+        text = io.TextIOWrapper(file, encoding="utf-8", newline="")
+        csv.writer(text).writerows(rows)
+        text.flush()
+        text.detach()
 
 
 def _umask() -> int:

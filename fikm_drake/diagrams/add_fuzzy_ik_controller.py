@@ -51,7 +51,8 @@ def MakeFuzzyIkController(
         reference_frame: in which targets are, or its name; None: the world. Where other joints
             than the controller's move it, `TargetInFrame` brings targets into the world.
         context: of the plant: where other joints on the way stand, and which are locked; None: the
-            default.
+            default. It is read once: of a joint that is locked later no port tells (the status says
+            NOT_FOLLOWING where joints are measured), so make the controller anew.
         ports: `integrator` or `controller`: those of Drake's DifferentialInverseKinematicsIntegrator or
             Controller, see `DrakesPorts`; None: our own.
 

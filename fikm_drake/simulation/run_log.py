@@ -1,8 +1,6 @@
 """What a run leaves behind."""
 
-import csv
 import functools
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydrake.common.yaml import yaml_load_typed
 
 from fikm_drake.arrays import Array
-from fikm_drake.files import whole_file
+from fikm_drake.files import write_csv
 from fikm_drake.simulation.log_file import read_log, write_archive
 from fikm_drake.simulation.log_info import LogInfo
 from fikm_drake.simulation.scenario import Scenario
@@ -286,13 +284,8 @@ class RunLog:
         labels = [label for columns in self.info.columns.values() for label in columns]
         numbers = np.column_stack([self.time, *self._series.values()]).tolist()
         texts = zip(*(self.names_of_values(name) for name in names)) if names else iter(())
-        with whole_file(path) as file:
-            text = io.TextIOWrapper(file, encoding="utf-8", newline="")
-            writer = csv.writer(text)
-            writer.writerow(["time_s", *labels, *(f"{name}_name" for name in names)])
-            writer.writerows([*row, *next(texts, ())] for row in numbers)
-            text.flush()
-            text.detach()
+        head = ["time_s", *labels, *(f"{name}_name" for name in names)]
+        write_csv(path, [head, *([*row, *next(texts, ())] for row in numbers)])
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """A pandas DataFrame: the columns of `to_csv`, by time.

@@ -1,7 +1,5 @@
 """Many runs, on one machine or many: a table, and a log each."""
 
-import csv
-import io
 import itertools
 import re
 import time
@@ -16,7 +14,7 @@ import numpy as np
 from pydrake.common.yaml import yaml_load
 
 from fikm_drake.executors import completed
-from fikm_drake.files import whole_file
+from fikm_drake.files import write_csv
 from fikm_drake.resources import find_model
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
@@ -111,15 +109,12 @@ class Sweep:
         Raises:
             OSError: the file cannot be written.
         """
-        with whole_file(path) as file:
-            text = io.TextIOWrapper(file, encoding="utf-8", newline="")
-            writer = csv.writer(text)
-            writer.writerow(["name", *self.option_names, *ROW_FIELDS])
-            for row in self.rows:
-                options = [row.options.get(name) for name in self.option_names]
-                writer.writerow([row.name, *options, *(getattr(row, f) for f in ROW_FIELDS)])
-            text.flush()
-            text.detach()
+
+        def cells(row: SweepRow) -> list[object]:
+            options = [row.options.get(name) for name in self.option_names]
+            return [row.name, *options, *(getattr(row, field) for field in ROW_FIELDS)]
+
+        write_csv(path, [["name", *self.option_names, *ROW_FIELDS], *map(cells, self.rows)])
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """A pandas DataFrame of the table.

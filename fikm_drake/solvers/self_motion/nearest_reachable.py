@@ -10,6 +10,7 @@ from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.planar_3r import Planar3R
 from fikm_drake.kinematics.planar_border import nearest_on_border
 from fikm_drake.kinematics.planar_links import PlanarLinks
+from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.solvers.self_motion.feasible_intervals import EDGE, feasible_interval_table
 
 
@@ -30,7 +31,7 @@ class NearestReachable:
         return self.distance == 0.0
 
 
-def nearest_reachable(arm: DhArm, points: ArrayLike) -> NearestReachable:
+def nearest_reachable(arm: DhArm | SerialChain, points: ArrayLike) -> NearestReachable:
     """The reachable point nearest to each of some points, exact, and a posture that reaches it.
 
         nearest = fd.nearest_reachable(fd.load_arm("hassantabar3r"), [[9.0, 0.0], [1.0, 2.0]])
