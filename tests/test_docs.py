@@ -1,8 +1,10 @@
 """The documentation: its blocks run, its commands exist, the API reference builds without a warning."""
 
+import dataclasses
 import importlib.util
 import inspect
 import json
+import pydoc
 import re
 import subprocess
 import sys
@@ -73,3 +75,24 @@ def test_api_reference_builds_without_a_warning(tmp_path):
     missing = [name for name in names if f'id="{name}"' not in page]
     assert missing == []
     assert ".. pydrake_system::" not in page
+
+
+CONFIGS = (
+    fd.FuzzyIkConfig,
+    fd.GainSupervisorConfig,
+    fd.ClearanceConfig,
+    fd.CommandSupervisorConfig,
+    fd.MamdaniConfig,
+    fd.DhTable,
+    fd.DhJoint,
+    fd.Workplane,
+)
+
+
+@pytest.mark.parametrize("config", CONFIGS, ids=lambda config: config.__name__)
+def test_help_shows_every_field_of_a_config(config):
+    """Its name in the section of attributes, with a text; the default stands in the signature."""
+    shown = pydoc.plain(pydoc.render_doc(config))
+    attributes = shown[shown.index("Attributes:") :]
+    for field in dataclasses.fields(config):
+        assert re.search(rf"\b{field.name}: \S", attributes), field.name

@@ -26,22 +26,28 @@ REGROWTH = 1.02
 
 @dataclass
 class CommandSupervisorConfig:
-    """When a joint's command counts as chatter, and how its gain answers."""
+    """When a joint's command counts as chatter, and how its gain answers.
+
+    Attributes:
+        window: how many cycles are remembered (-).
+        sign_changes: a joint oscillates from this number of changes of sign of its command in the
+            window [-].
+        dead_band: commands within ± this have no sign [rad/s or m/s]; above the noise of the
+            controller.
+        fall: the gain falls by this factor a cycle while the joint oscillates [-].
+        recovery: the gain rises by at most this fraction of itself a cycle while the joint does not
+            [-].
+        slowest_recovery: the fraction halves with every outbreak of oscillation, down to this [-].
+        least_gain: the gain falls no lower [-]: what is left of a chatter that never ends.
+    """
 
     window: int = 10
-    """How many cycles are remembered (-)."""
     sign_changes: int = 4
-    """A joint oscillates from this number of changes of sign of its command in the window [-]."""
     dead_band: float = 1e-3
-    """Commands within ± this have no sign [rad/s or m/s]; above the noise of the controller."""
     fall: float = 0.8
-    """The gain falls by this factor a cycle while the joint oscillates [-]."""
     recovery: float = 0.5
-    """The gain rises by at most this fraction of itself a cycle while the joint does not [-]."""
     slowest_recovery: float = 0.008
-    """The fraction halves with every outbreak of oscillation, down to this [-]."""
     least_gain: float = 0.01
-    """The gain falls no lower [-]: what is left of a chatter that never ends."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""

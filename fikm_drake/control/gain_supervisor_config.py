@@ -14,34 +14,42 @@ from fikm_drake.fuzzy.triangular_partition import TriangularPartition
 
 @dataclass
 class GainSupervisorConfig:
-    """The constants of section 2.7; the breakpoints of figure 6 are our reading, the paper gives none."""
+    """The constants of section 2.7; the breakpoints of figure 6 are our reading, the paper gives none.
+
+    Attributes:
+        window: how many cycles are remembered (-).
+        error_breakpoints: where the error is small, medium and big, as a fraction of its average
+            over the window [-].
+        gains: gain for a small, medium and big error, Table I, row OFF [-]; more follows
+            closer, up to where the joints shake.
+        oscillating_gains: the same while a joint oscillates, Table I, row ON [-].
+        sign_changes: a joint oscillates from this number of changes of sign of its steps within the
+            window [-].
+        dead_band: joint steps within ± this have no sign [rad or m].
+        initial_gain: the gain before the first cycle [-].
+        calming: while a joint oscillates, the gain shrinks by this factor a cycle, which ends the
+            motion at a target out of reach [-]; less ends it sooner, 1 as in the paper does not.
+        slow_window: cycles in which a slow oscillation is looked for, which the window misses (-).
+        slow_sign_changes: a joint oscillates slowly from this number of changes of sign within the
+            slow window, if the error meanwhile stays; that calms too [-].
+        recovery: a calmed gain grows by this factor a cycle while the error falls [-]; more wakes
+            sooner.
+        calm_damping: damping of the scaled Jacobian while the gain is calmed, for laws that take it
+            [-]; more stills more of the motion.
+    """
 
     window: int = 10
-    """How many cycles are remembered (-)."""
     error_breakpoints: list[float] = field(default_factory=lambda: [0.0, 1.0, 2.0])
-    """Where the error is small, medium and big, as a fraction of its average over the window [-]."""
     gains: list[float] = field(default_factory=lambda: [1.0, 2.6, 0.8])
-    """Gain for a small, medium and big error, Table I, row OFF [-]."""
     oscillating_gains: list[float] = field(default_factory=lambda: [0.1, 0.4, 0.03])
-    """The same while a joint oscillates, Table I, row ON [-]."""
     sign_changes: int = 4
-    """A joint oscillates from this number of changes of sign of its steps within the window [-]."""
     dead_band: float = 1e-12
-    """Joint steps within ± this have no sign [rad or m]."""
     initial_gain: float = 1.0
-    """The gain before the first cycle [-]."""
     calming: float = 0.8
-    """While a joint oscillates, the gain shrinks by this factor a cycle, which ends the motion at a
-    target out of reach [-]; 1 as in the paper, where it goes on."""
     slow_window: int = 64
-    """Cycles in which a slow oscillation is looked for, which the window misses (-)."""
     slow_sign_changes: int = 6
-    """A joint oscillates slowly from this number of changes of sign within the slow window, if the
-    error meanwhile stays; that calms too [-]."""
     recovery: float = 1.2
-    """A calmed gain grows by this factor a cycle while the error falls [-]."""
     calm_damping: float = 0.3
-    """Damping of the scaled Jacobian while the gain is calmed, for laws that take it [-]."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""

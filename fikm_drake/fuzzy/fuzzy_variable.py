@@ -26,20 +26,23 @@ class FuzzyVariable:
     Raises:
         ValueError: the range is empty or not finite, there is no membership, or one does not reach
             grade 1 in the range (often a wrong unit) or is a mere point there.
+
+    Attributes:
+        name: such as `x`.
+        unit: such as `m` or `rad`; empty: no unit.
+        lower: lower end of the range; inputs below count as this.
+        upper: upper end of the range; inputs above count as this.
+        memberships: memberships by label; numbers in the unit of the variable.
+        default: the output where no rule fires, inside the range; None: the middle. An input needs
+            none.
     """
 
     name: str = ""
-    """Such as `x`."""
     unit: str = ""
-    """Such as `m` or `rad`; empty: no unit."""
     lower: float = nan
-    """Lower end of the range; inputs below count as this."""
     upper: float = nan
-    """Upper end of the range; inputs above count as this."""
     memberships: dict[str, Membership] = field(default_factory=dict)
-    """Memberships by label; numbers in the unit of the variable."""
     default: float | None = None
-    """The output where no rule fires, inside the range; None: the middle. An input needs none."""
 
     def __post_init__(self) -> None:
         if self.name or self.memberships:  # else a blank that the YAML loader fills in

@@ -18,12 +18,15 @@ DEGREES = (2.1 * pi, 4.1 * pi)
 
 @dataclass
 class DhUnit:
-    """Units of a table's numbers, limits and speeds included."""
+    """Units of a table's numbers, limits and speeds included.
+
+    Attributes:
+        angle: `rad` or `deg`; None: rad, and numbers that look like degrees are refused.
+        length: `m`, `cm`, `mm` or `in`.
+    """
 
     angle: str | None = None
-    """`rad` or `deg`; None: rad, and numbers that look like degrees are refused."""
     length: str = "m"
-    """`m`, `cm`, `mm` or `in`."""
 
     def validate(self, where: str) -> None:
         """Raise ValueError, naming `where`, the bad unit and the valid ones."""
@@ -35,16 +38,19 @@ class DhUnit:
 
 @dataclass
 class DhTransform:
-    """Four Denavit-Hartenberg numbers: angles [rad], lengths [m]."""
+    """Four Denavit-Hartenberg numbers: angles [rad], lengths [m].
+
+    Attributes:
+        alpha: twist [rad].
+        a: link length [m].
+        d: joint offset [m].
+        theta: joint angle [rad].
+    """
 
     alpha: float = 0.0
-    """Twist [rad]."""
     a: float = 0.0
-    """Link length [m]."""
     d: float = 0.0
-    """Joint offset [m]."""
     theta: float = 0.0
-    """Joint angle [rad]."""
 
     def validate(self, where: str, *, radians: bool = True) -> None:
         """Raise ValueError, naming `where` and the number, unless all four are finite.
@@ -66,18 +72,20 @@ class DhJoint(DhTransform):
 
     The joint variable adds to `theta` of a revolute joint [rad], to `d` of a prismatic one [m];
     the number in the row is its offset. Limits are of the joint variable, in rad or m.
+
+    Attributes:
+        type: `revolute` or `prismatic`.
+        lower: lower limit [rad or m]; None: no limit.
+        upper: upper limit [rad or m]; None: no limit.
+        velocity: limit of the speed [rad/s or m/s]; None or inf: no limit.
+        flip: true for a joint that turns, or slides, the other way: its variable is subtracted.
     """
 
     type: str = "revolute"
-    """`revolute` or `prismatic`."""
     lower: float | None = None
-    """Lower limit [rad or m]; None: no limit."""
     upper: float | None = None
-    """Upper limit [rad or m]; None: no limit."""
     velocity: float | None = None
-    """Limit of the speed [rad/s or m/s]; None or inf: no limit."""
     flip: bool = False
-    """True for a joint that turns, or slides, the other way: its variable is subtracted."""
 
     @property
     def is_revolute(self) -> bool:
@@ -128,18 +136,20 @@ class DhTable:
 
     `craig` (modified) rows hold α_{i-1}, a_{i-1}, d_i, θ_i and mean
     Rx(α) Tx(a) Rz(θ) Tz(d); `standard` rows mean Rz(θ) Tz(d) Tx(a) Rx(α).
+
+    Attributes:
+        name: the arm's name: a letter, then letters, digits, `_` or `-`.
+        convention: `craig` or `standard`.
+        joints: one row a joint, from the base outward.
+        tool: the last, fixed row, read in the same convention.
+        unit: unit of all numbers: `unit: {angle: deg, length: mm}`.
     """
 
     name: str = ""
-    """The arm's name: a letter, then letters, digits, `_` or `-`."""
     convention: str = "craig"
-    """`craig` or `standard`."""
     joints: list[DhJoint] = field(default_factory=list)
-    """One row a joint, from the base outward."""
     tool: DhTransform = field(default_factory=DhTransform)
-    """The last, fixed row, read in the same convention."""
     unit: DhUnit = field(default_factory=DhUnit)
-    """Unit of all numbers: `unit: {angle: deg, length: mm}`."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones, unless this is an arm."""

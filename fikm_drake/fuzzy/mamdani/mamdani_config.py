@@ -22,14 +22,17 @@ DEFUZZIFICATIONS = (
 
 @dataclass
 class FuzzyRule:
-    """IF x is A AND y is B THEN z is C; an input that is left out may be anything."""
+    """IF x is A AND y is B THEN z is C; an input that is left out may be anything.
+
+    Attributes:
+        when: label by the name of an input, at least one; `not A` is one minus the grade of A.
+        then: label by the name of an output, at least one.
+        join: between the parts of `when`: `and`, or `or`.
+    """
 
     when: dict[str, str] = field(default_factory=dict)
-    """Label by the name of an input, at least one; `not A` is one minus the grade of A."""
     then: dict[str, str] = field(default_factory=dict)
-    """Label by the name of an output, at least one."""
     join: str = "and"
-    """Between the parts of `when`: `and`, or `or`."""
 
     def holds(self, labels: dict[str, str]) -> bool:
         """Whether the premise holds where each input has just one label, with grade one."""
@@ -44,27 +47,32 @@ class FuzzyRule:
 
 @dataclass
 class MamdaniConfig:
-    """Variables, rules and the five choices of a Mamdani system."""
+    """Variables, rules and the five choices of a Mamdani system.
+
+    Attributes:
+        name: what it is.
+        inputs: inputs, in the order of the columns of the input array.
+        outputs: outputs, in the order of the columns of the result.
+        rules: rules; where none fires the output has its default.
+        norm: AND: `minimum`, or `product`; OR is its dual, the maximum, or a + b - ab.
+        implication: a rule cuts its conclusion off at its strength (`minimum`), or scales it
+            (`product`).
+        aggregation: conclusions are united by their `maximum`, or by their `sum`.
+        defuzzification: `centroid` or `bisector` of the area, `mean_of_maximum`,
+            `smallest_of_maximum` or `largest_of_maximum` of where it is highest, or `height`: the
+            mean of cores weighted by strengths.
+        samples: points of an output's range at which areas are sampled, if they are not exact.
+    """
 
     name: str = ""
-    """What it is."""
     inputs: list[FuzzyVariable] = field(default_factory=list)
-    """Inputs, in the order of the columns of the input array."""
     outputs: list[FuzzyVariable] = field(default_factory=list)
-    """Outputs, in the order of the columns of the result."""
     rules: list[FuzzyRule] = field(default_factory=list)
-    """Rules; where none fires the output has its default."""
     norm: str = "minimum"
-    """AND: `minimum`, or `product`; OR is its dual, the maximum, or a + b - ab."""
     implication: str = "minimum"
-    """A rule cuts its conclusion off at its strength (`minimum`), or scales it (`product`)."""
     aggregation: str = "maximum"
-    """Conclusions are united by their `maximum`, or by their `sum`."""
     defuzzification: str = "centroid"
-    """`centroid` or `bisector` of the area, `mean_of_maximum`, `smallest_of_maximum` or
-    `largest_of_maximum` of where it is highest, or `height`: the mean of cores weighted by strengths."""
     samples: int = 201
-    """Points of an output's range at which areas are sampled, if they are not exact."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value and the valid ones."""

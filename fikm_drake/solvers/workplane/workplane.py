@@ -20,14 +20,17 @@ class Workplane:
 
     x runs to the right along the near edge, y away from the arm, both from the near left corner;
     the height is over the workplane.
+
+    Attributes:
+        origin: the near left corner in the arm's base frame, which is the world's where it is
+            welded [m].
+        yaw: angle of the near edge about the vertical [rad]; 0: it runs along the world's x.
+        size: width along x and depth along y [mm], integers.
     """
 
     origin: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """The near left corner in the arm's base frame, which is the world's where it is welded [m]."""
     yaw: float = 0.0
-    """Angle of the near edge about the vertical [rad]; 0: it runs along the world's x."""
     size: list[int] = field(default_factory=lambda: [400, 300])
-    """Width along x and depth along y [mm], integers."""
 
     def validate(self) -> None:
         """Raise ValueError, naming the bad value, unless this is a rectangle."""
