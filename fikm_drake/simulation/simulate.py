@@ -123,6 +123,8 @@ def _info(built: BuiltScenario, law: LawLike | None) -> LogInfo:
             columns[name] = [f"joint_step_{joint}" for joint in joints]
         else:
             columns[name] = [name] if count == 1 else [f"{name}_{i}" for i in range(1, count + 1)]
+    if built.wired.status is not None:
+        columns["status"] = ["status"]
     names = {}
     if built.wired.statuses and "status" in columns:
         names["status"] = names_of(built.wired.statuses)
@@ -163,7 +165,10 @@ def _reader(built: BuiltScenario) -> Callable[[Context], list[Array]]:
         row = [desired, _numbers(X, motion.size), before, after, q, command]
         row.append(_velocity(built, root, (q - last) * built.scenario.control_rate))
         row += _torque(built, root)
-        row += [_eval(port, root) for port in wired.logged.values()]
+        logged = {name: _eval(port, root) for name, port in wired.logged.items()}
+        row += logged.values()
+        if wired.status is not None:
+            row.append(np.array([wired.status(logged, before)]))
         if built.surroundings is not None:
             nearest = built.surroundings.nearest(built.all_positions(root))
             row += [np.array([number]) for number in nearest]

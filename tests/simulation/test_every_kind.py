@@ -89,15 +89,15 @@ def test_from_yaml_to_a_log_that_loads_and_converts(kind, tmp_path):
     with open(tmp_path / "run.csv", newline="") as file:
         header, *rows = csv.reader(file)
     assert len(rows) == len(log) and header[0] == "time_s"
-    pandas = pytest.importorskip("pandas")
-    frame = log.to_dataframe()
-    assert list(frame.columns) == header[1:]
-    read = pandas.read_csv(tmp_path / "run.csv", index_col="time_s")
-    columns = [name for name in header[1:] if not name.endswith("_name")]
-    np.testing.assert_array_equal(read[columns].to_numpy(), frame[columns].to_numpy())
     # Run again from what the log keeps, without the files beside the scenario.
     if kind not in ("URDF", "directives"):  # a model stays a path
         for file in ("mine.yaml", "path.csv"):
             (tmp_path / file).unlink()
     found = fd.compare(log, fd.simulate(again.scenario))
     assert found.rows == len(log) and max(found.largest.values()) < 1e-9
+    pandas = pytest.importorskip("pandas")
+    frame = log.to_dataframe()
+    assert list(frame.columns) == header[1:]
+    read = pandas.read_csv(tmp_path / "run.csv", index_col="time_s")
+    columns = [name for name in header[1:] if not name.endswith("_name")]
+    np.testing.assert_array_equal(read[columns].to_numpy(), frame[columns].to_numpy())

@@ -80,8 +80,9 @@ def test_every_controller_reaches_its_target(name, tmp_path):
     np.testing.assert_array_equal(log.q[0], scenario.start())
     assert np.linalg.norm(log.cycles.error[-1][-3:]) < WITHIN.get(name, 1e-3)
     assert {"time", *log.names} >= {"desired", "actual", "q", "command", "velocity"}
-    if "status" in log:
-        assert all(text.isupper() for text in log.status_names)
+    assert all(text.isupper() for text in log.status_names)
+    if name == "supervised_drake":
+        assert "CONVERGED" not in log.status_names[:5] and log.status_names[-1] == "CONVERGED"
     np.testing.assert_allclose(
         np.diff(log.q, axis=0)[1:] * scenario.control_rate, log.velocity[2:], atol=1e-6
     )

@@ -2,6 +2,7 @@
 
 # No `from __future__ import annotations` here: Drake's typed YAML needs real types on the fields.
 import dataclasses
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,9 +11,10 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import BusValue, Context, LeafSystem
 from pydrake.systems.primitives import ConstantVectorSource
 
+from fikm_drake.arrays import Array
 from fikm_drake.control.command_supervision import CommandSupervisorConfig
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
-from fikm_drake.control.status import ControllerStatus
+from fikm_drake.control.status import ControllerStatus, controller_status
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController
 from fikm_drake.diagrams.drake_differential_ik import drake_differential_ik
 from fikm_drake.diagrams.fuzzy_ik_torque_controller import AddFuzzyIkTorqueController
@@ -209,9 +211,24 @@ class SupervisedDrake:
             port("commanded_position"),
             port("commanded_velocity"),
             logged,
-            None,
+            ControllerStatus,
             7,
+            status=_supervised_status,
         )
+
+
+def _supervised_status(logged: Mapping[str, Array], error: Array) -> ControllerStatus:
+    """Of Drake's differential IK behind the supervisor, in the words of our own controller."""
+    config = FuzzyIkConfig()
+    turn, away = np.linalg.norm(error[:3]), np.linalg.norm(error[3:])
+    return controller_status(
+        valid=bool(logged["valid"][0]),
+        error=float(np.hypot(config.characteristic_length * turn, away)),
+        tolerance=config.tolerance,
+        limited=False,
+        oscillating=bool(logged["oscillating"].any()),
+        blocked="blocked" in logged and bool(logged["blocked"][0]),
+    )
 
 
 def _for_poses() -> FuzzyIkConfig:

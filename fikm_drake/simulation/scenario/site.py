@@ -1,6 +1,6 @@
 """Where a scenario puts its controller, and what the controller hands back."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -56,6 +56,8 @@ class Wired:
     """Size of the target that it takes."""
     measured: InputPort | None = None
     """For the measured joints; None: it takes none, or has them already."""
+    status: Callable[[Mapping[str, Array], Array], IntEnum] | None = None
+    """Status of what is logged and of the error, [rad; m] or [m], of a controller that has no such port."""
     hold: ZeroOrderHold | None = None
     """What keeps the command from cycle to cycle, where the controller's own state does not."""
 
