@@ -59,6 +59,11 @@ class LabVoltIk(LeafSystem):
 
     Raises:
         ValueError: naming the bad value and the valid ones.
+
+    Example:
+        >>> import fikm_drake as fd
+        >>> fd.LabVoltIk(period=0.02).GetOutputPort("commanded_position").size()
+        4
     """
 
     def __init__(
