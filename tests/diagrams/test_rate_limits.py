@@ -129,6 +129,23 @@ def test_the_plant_s_own_limits_count(run, fused):
     assert (accelerations <= np.minimum(acceleration, 4.0) + 1e-6).all()
 
 
+def test_limits_are_of_each_joint(plant, run, fused):
+    """Vectors in the config; inf is no limit of its joint, but the default bound of speed stays."""
+    velocity = np.array([0.3, 2.0, 0.5, np.inf, 1.0, 0.05, 3.0])
+    acceleration = np.array([9.0, np.inf, 2.0, 20.0, 1.0, np.inf, 5.0])
+    config = fd.FuzzyIkConfig(
+        fused=fused,
+        velocity_limits=velocity.tolist(),
+        acceleration_limits=acceleration.tolist(),
+        jerk_limits=[np.inf, 300.0, *[np.inf] * 5],
+        default_velocity_limit=4.0,
+    )
+    speeds, accelerations = largest(run(plant, config, Q0, chase(), only=WANTED))
+    bound = np.minimum(velocity, 4.0)
+    assert (speeds <= bound + 1e-9).all() and (accelerations <= acceleration + 1e-6).all()
+    assert (speeds > 0.9 * bound).any() and (accelerations > 0.9 * acceleration).any()
+
+
 def test_a_lost_target_is_no_reason_to_break_them(plant, run, fused):
     """The arm brakes, stands, and goes on; the position is held once it stands."""
     config = fd.FuzzyIkConfig(fused=fused, velocity_limits=[0.8], acceleration_limits=[4.0])
