@@ -1,11 +1,10 @@
 """Whether the files that a scenario names are still what they were."""
 
+import dataclasses
 import hashlib
 import re
 from collections.abc import Iterator
 from pathlib import Path
-
-from pydrake.common.yaml import yaml_load
 
 from fikm_drake.resources import models_dir
 from fikm_drake.simulation.scenario.schema import Scenario
@@ -22,7 +21,7 @@ def fingerprint(scenario: Scenario) -> str:
     learned bounds and rules of one's own. Two runs of the same scenario are the same if this is.
     """
     found: dict[Path, bytes] = {}
-    for text in _texts(yaml_load(data=scenario.whole().to_yaml())):
+    for text in _texts(scenario.whole()):
         if "/" in text or "." in text:
             _add(Path(text), found)
     if not found:
@@ -65,12 +64,12 @@ def _places(name: str, path: Path) -> Iterator[Path]:
 
 
 def _texts(data: object) -> Iterator[str]:
-    """All strings in YAML data."""
+    """All strings in options and their lists."""
     if isinstance(data, str):
         yield data
-    elif isinstance(data, dict):
-        for value in data.values():
-            yield from _texts(value)
+    elif dataclasses.is_dataclass(data) and not isinstance(data, type):
+        for item in dataclasses.fields(data):
+            yield from _texts(getattr(data, item.name))
     elif isinstance(data, list):
         for value in data:
             yield from _texts(value)
