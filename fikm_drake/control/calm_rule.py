@@ -84,6 +84,15 @@ class CalmRule:
         self.damped_first = DAMPED_FIRST if damped else 1.0
         self._range = 1.0 - DAMPED_FIRST if damped else 1.0
 
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All constants, in the order in which `native/supervision.h` takes them."""
+        return (
+            *(self._calming, self._recovery, self._damping, self.damped_first, self._range),
+            *(LEAST_CALM, CANCELLED, CONSISTENT, EXPLAINED, NOISY, STAYS, AWAKE, PROGRESS),
+            *(LEAST_PROGRESS, CHANGES, LASTS, NEAR, JUMP, CREEPS, STILL, DEEP),
+        )
+
     def gain(self, calm: float) -> float:
         """Factor of the gain [-]."""
         return min(1.0, calm / self.damped_first)

@@ -265,8 +265,7 @@ class ControlCycle:
             self.restart.remember(state.restart, target, q, tick.error_length, others)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
-        motion = tick.command - state.command
-        watched = self.supervision.remember_turns(state.supervision, tick.error, motion)
+        watched = self.supervision.remember_turns(state.supervision, tick.error, tick.joint_step)
         if watched:
             self.supervision.remember_motion(
                 state.supervision,
@@ -275,7 +274,7 @@ class ControlCycle:
                 self.task.target_coordinates(target),
                 q - state.command if self.config.measured_position else None,
             )
-        state.velocity[:] = motion * self._rate
+        state.velocity[:] = (tick.command - state.command) * self._rate
         state.command[:] = tick.command
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
 

@@ -10,8 +10,9 @@ from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative, check_positive
 from fikm_drake.control.calm_rule import JUMP, CalmRule
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain_rules
-from fikm_drake.control.motion_windows import MotionWindows
+from fikm_drake.control.motion_windows import DOMINANT, FADING, MotionWindows
 from fikm_drake.control.steps import length
+from fikm_drake.kinematics.native.native_supervision import native_supervision
 
 AT_REST = 1e-4
 """Nothing moves where the joints' path is on average below this a cycle [rad or m]."""
@@ -118,6 +119,8 @@ class GainSupervision:
         self._rule = CalmRule(config, damped=damped)
         self._error_limit = check_positive("error_limit", error_limit)
         self._tolerance = check_not_negative("tolerance", tolerance)
+        self.options = self._options((num_rows, num_joints, coordinates), config)
+        self.native = native_supervision(self.options, self.fields.itemsize // 8)
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
@@ -129,6 +132,8 @@ class GainSupervision:
 
     def gain(self, memory: Array, error: float) -> float:
         """The gain for an error of length `error` [m]."""
+        if self.native:
+            return self.native.gain(memory, error)
         known, calm, changes, _ = memory[:4].tolist()
         if self._error_limit < error < inf:
             error = self._error_limit
@@ -184,17 +189,20 @@ class GainSupervision:
             deviation: of the measured joints from their command (n,), where they are measured [rad or m].
         """
         motion = self.remember_turns(memory, error, joint_step)
-        if motion is not None:
+        if motion:
             self.remember_motion(memory, motion, error, target, deviation)
 
     def remember_turns(
         self, memory: Array, error: Array, joint_step: Array
-    ) -> WatchedMotion | None:
+    ) -> WatchedMotion | bool:
         """The first part of `remember`, all that most cycles need: errors, and which joints turned round.
 
         Returns:
-            what `remember_motion` is to write; None while no motion is watched.
+            what `remember_motion` is to write at once, True where the native kernel keeps it; False while
+            no motion is watched.
         """
+        if self.native:
+            return self.native.remember_turns(memory, error, joint_step)
         known, _, changes, watched = memory[:4].tolist()
         size = length(error)
         if 0.0 < size < inf:
@@ -214,7 +222,7 @@ class GainSupervision:
                 if not flips.any():
                     flips = None
         if flips is None and not watched and not changes:
-            return None
+            return False
         named = self._named(memory)
         ring, ticks = named["flips"], float(named["ticks"])
         oldest = ring[int(ticks) % len(ring)]
@@ -234,18 +242,22 @@ class GainSupervision:
             watched = named["watched"] = 0.0
             named["joint"] = -1.0
         if not watched or calm == 1.0 and size <= self._tolerance:
-            return None
+            return False
         return WatchedMotion(size, joint_step, square, flips)
 
     def remember_motion(
         self,
         memory: Array,
-        motion: WatchedMotion,
+        motion: WatchedMotion | bool,
         error: Array,
         target: Array,
         deviation: Array | None = None,
     ) -> None:
         """The second part of `remember`: the motion, and what it says of the calm."""
+        if self.native:
+            self.native.remember_motion(memory, error, target, deviation)
+            return
+        assert isinstance(motion, WatchedMotion)
         named, (size, joint_step, square, flips) = self._named(memory), motion
         if not (0.0 < size < HUGE and target.dot(target) < HUGE**2):
             # No error to go by: on from the last that was.
@@ -260,6 +272,14 @@ class GainSupervision:
         )
         if named["calm"] < 1.0 or named["turns"] >= self._threshold:
             self._set_calm(named, size, shift)
+
+    def _options(self, sizes: tuple[int, ...], config: GainSupervisorConfig) -> Array:
+        """What the native kernel is told, in the order of `native/supervision.h`."""
+        numbers: list[float] = [*sizes, self._window, self._slow_window, self._threshold]
+        numbers += [config.slow_sign_changes, self._dead_band, self._error_limit, self._tolerance]
+        numbers += [*config.error_breakpoints, *np.ravel(self.rules.consequents)]
+        numbers += [AT_REST, DOMINANT, FADING, HUGE, *self._rule.numbers]
+        return np.array(numbers, dtype=float)
 
     def _slice(self, field: str) -> slice:
         """Where a field is in the memory."""

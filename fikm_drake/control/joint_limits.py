@@ -54,13 +54,13 @@ class JointLimits:
         self.lower, self.upper = np.maximum(lower, -FARTHEST), np.minimum(upper, FARTHEST)
         self._period = period
         n = len(self.lower)
-        self._fastest = each_limit("velocity_limits", velocity_limits, n) * period
-        self._slowest = -self._fastest
+        self.fastest = each_limit("velocity_limits", velocity_limits, n) * period
+        self._slowest = -self.fastest
         self._change = each_limit("acceleration_limits", acceleration_limits, n) * period**2
         self.brakes = bool(np.isfinite(self._change).any())
         """Whether a joint has a limit of acceleration."""
-        self._fast = bool(np.isfinite(self._fastest).any())
-        self._all_may = float(self._fastest.min())
+        self._fast = bool(np.isfinite(self.fastest).any())
+        self._all_may = float(self.fastest.min())
 
     def room(self, position: Array) -> float:
         """A step that is shorter than this is inside the bounds and leads to no limit [rad or m].
@@ -95,7 +95,7 @@ class JointLimits:
         if self.brakes:
             low, high = -self.braking(-low), self.braking(high)
         if self._fast:
-            low, high = np.maximum(low, self._slowest), np.minimum(high, self._fastest)
+            low, high = np.maximum(low, self._slowest), np.minimum(high, self.fastest)
         return low, high
 
     def changing_bounds(self, low: Array, high: Array, velocity: Array) -> tuple[Array, Array]:
@@ -120,7 +120,7 @@ class JointLimits:
 
     def shorten(self, step: Array) -> Array:
         """The step (n,), shortened as a whole to the speed that every joint may have."""
-        return self._shorten(step, self._fastest) if self._fast else step
+        return self._shorten(step, self.fastest) if self._fast else step
 
     def add(self, position: Array, step: Array) -> Array:
         """The position (n,) after a step that a guard let through; rounding takes it no farther out."""

@@ -36,6 +36,11 @@ class LimitWeights:
         self._zone = np.maximum(np.minimum(zone, 0.25 * (upper - lower)), 1e-12)
         self._begin_low, self._begin_high = lower + self._zone, upper - self._zone
 
+    @property
+    def numbers(self) -> tuple[Array, ...]:
+        """What the native kernel takes, (n,) each: the limits, where the zones begin, how wide they are."""
+        return self._lower, self._upper, self._begin_low, self._begin_high, self._zone
+
     def near(self, q: Array) -> bool:
         """True if a joint at q (n,) is in a zone."""
         return min(np.minimum(q - self._begin_low, self._begin_high - q).tolist()) < 0.0

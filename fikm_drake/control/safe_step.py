@@ -50,11 +50,11 @@ class SafeStep:
         singularity_nudge: float = 0.0,
     ) -> None:
         self._law = law.step
-        self._longest = longest
-        self._limits = limits
-        self._posture = posture
-        self._side_step = singularity_nudge
-        self._dead = DEAD if singularity_nudge else 0.0
+        self.longest = longest
+        self.limits = limits
+        self.posture = posture
+        self.side_step = singularity_nudge
+        self.dead = DEAD if singularity_nudge else 0.0
         self._posture_gain = posture_gain
 
     def __call__(self, q: Array, J: Array, error: Array, damping: float | None = None) -> Array:
@@ -134,13 +134,13 @@ class SafeStep:
         """The step as it comes, the weights of the joints and the motion of the posture in it."""
         more = () if damping is None else (damping,)
         step, weights, secondary = self._law(J, error, *more), None, None
-        if self._limits is not None and self._limits.near(q):
+        if self.limits is not None and self.limits.near(q):
             weights = np.ones(len(q))
             for _ in range(PASSES):
-                weights = np.minimum(weights, self._limits(q, step))
+                weights = np.minimum(weights, self.limits(q, step))
                 step = weights * self._law(J * weights, error, *more)
-        if self._posture is not None:
-            secondary = posture_step(J, self._posture_gain * (self._posture - q))
+        if self.posture is not None:
+            secondary = posture_step(J, self._posture_gain * (self.posture - q))
             step = step + secondary
         return step, weights, secondary
 
@@ -149,14 +149,14 @@ class SafeStep:
         size = length(step)
         if size == inf:
             return np.zeros(len(step))
-        if size > self._longest:
-            return step * (self._longest / size)
-        if self._dead and size < self._dead * length(error):
+        if size > self.longest:
+            return step * (self.longest / size)
+        if self.dead and size < self.dead * length(error):
             reach = np.abs(J).max(axis=0)
             moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
-            aside_too = step + self._side_step * length(error) * aside(len(step)) * moving
+            aside_too = step + self.side_step * length(error) * aside(len(step)) * moving
             size = length(aside_too)
-            return aside_too * (self._longest / size) if size > self._longest else aside_too
+            return aside_too * (self.longest / size) if size > self.longest else aside_too
         return step
 
 

@@ -10,8 +10,13 @@ Signal = TypeVar("Signal", float, Array)
 
 
 def length(vector: Array) -> float:
-    """Euclidean length of a vector (n,); inf if an element is NaN, or the length passes `LARGEST`."""
-    square = vector.dot(vector)
+    """Euclidean length of a vector (n,); inf if an element is NaN, or the length passes `LARGEST`.
+
+    Summed in order, as the native kernel does, so that both give the same whatever the BLAS does.
+    """
+    square = 0.0
+    for x in vector.tolist():
+        square += x * x
     return sqrt(square) if square < SQUARE else inf
 
 

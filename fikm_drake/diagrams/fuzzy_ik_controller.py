@@ -116,7 +116,7 @@ class FuzzyIkController(Diagram):
                 n,
                 period=period,
                 config=config.supervisor,
-                num_coordinates=error.num_coordinates,
+                task=task,
                 error_limit=limit,
                 tolerance=config.tolerance,
                 damped=takes_damping(law),
@@ -187,7 +187,6 @@ class FuzzyIkController(Diagram):
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(port))
 
         wire(error, "task_error", supervisor, "task_error")
-        wire(error, "target", supervisor, "target")
         wire(error, "task_error", gain, "task_error")
         wire(supervisor, "gain", gain_filter, "u0")
         wire(gain_filter, "y0", gain, "gain")
@@ -244,7 +243,7 @@ class FuzzyIkController(Diagram):
         for block in (ik, guard):
             wire(integrator, "position", block, "command")
         wire(integrator, "velocity", guard, "command_velocity")
-        wire(integrator, "motion", supervisor, "joint_step")
+        wire(guard, "joint_step", supervisor, "joint_step")
         if config.measured_position:
             wire(integrator, "deviation", supervisor, "deviation")
         wire(guard, "joint_step", integrator, "joint_step")
@@ -258,6 +257,7 @@ class FuzzyIkController(Diagram):
         desired = error.get_input_port(0)  # desired_position or desired_pose
         builder.ExportInput(desired, desired.get_name())
         builder.ConnectInput(desired.get_name(), ik.GetInputPort("guard"))
+        builder.ConnectInput(desired.get_name(), supervisor.GetInputPort("target"))
         if config.restart_search:
             builder.ConnectInput(desired.get_name(), planner.GetInputPort(desired.get_name()))
         builder.ExportInput(integrator.GetInputPort("estimated_position"), "estimated_position")

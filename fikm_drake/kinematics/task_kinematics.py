@@ -1,6 +1,7 @@
 """What a task is: an object that knows its error and its Jacobian."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -9,9 +10,14 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import InputPort, LeafSystem
 
 from fikm_drake.arrays import LARGEST, Array
+from fikm_drake.kinematics.native.native_task import NativeTask, native_task
 from fikm_drake.kinematics.plant_arm import PlantArm
 
 _SQUARE = LARGEST**2
+CHECKED_AT = (0.1, -0.23)
+"""Postures where the kernel's Jacobian is compared with the plant's [rad or m]."""
+SAME = 1e-9
+"""Of entries, over the reach: what is still rounding [-]."""
 
 
 @runtime_checkable
@@ -81,6 +87,8 @@ class PlantTask(ABC):
     """Usual name of the target's port."""
     target_size: int | None = None
     """Size of the target's vector; None: m."""
+    native: NativeTask | None = None
+    """Error and Jacobian by the native kernel, for tasks that it knows; see `native_task_of`."""
 
     def __init__(self, arm: PlantArm) -> None:
         self.arm = arm
@@ -100,18 +108,24 @@ class PlantTask(ABC):
 
     def error(self, target: Any, q: Array) -> Array:
         """Desired minus actual (m,) [m] at `q` (n,); NaN where `q` is not finite."""
+        if self.native:
+            return self.native.error(self.target_numbers(target), q)
         if not _finite(q):
             return np.full(self.size, np.nan)
         return self.target_error(self.arm.context_at(q), target)
 
     def jacobian(self, q: Array) -> Array:
         """The task Jacobian (m,n) at `q` (n,); NaN where `q` is not finite."""
+        if self.native:
+            return self.native.jacobian(q)
         if not _finite(q):
             return np.full((self.size, self.arm.num_joints), np.nan)
         return self.target_jacobian(self.arm.context_at(q))
 
     def error_and_jacobian(self, target: Any, q: Array) -> tuple[Array, Array]:
         """Both at once, cheaper than one after the other."""
+        if self.native:
+            return self.native.error_and_jacobian(self.target_numbers(target), q)
         if not _finite(q):
             return np.full(self.size, np.nan), np.full((self.size, self.arm.num_joints), np.nan)
         context = self.arm.context_at(q)
@@ -119,6 +133,10 @@ class PlantTask(ABC):
 
     def target_coordinates(self, target: Any) -> Array:
         """The target as a vector (c,); two targets are as far apart as theirs are [m]."""
+        return target
+
+    def target_numbers(self, target: Any) -> Array:
+        """The target as the native kernel takes it: the vector, or a pose (3,4)."""
         return target
 
     def is_finite(self, target: Any) -> bool:
@@ -135,14 +153,37 @@ class PoseTargetTask(PlantTask):
 
     port = "desired_pose"
 
+    def target_numbers(self, target: RigidTransform) -> Array:
+        """The pose (3,4)."""
+        return target.GetAsMatrix34()
+
     def is_finite(self, target: RigidTransform) -> bool:
         """True if no number of a target is NaN or infinite."""
-        X = target.GetAsMatrix34()
-        return _finite(X[:, 3]) and bool(np.isfinite(X).all())
+        return _finite(target.GetAsMatrix34().ravel())
 
     def declare_target(self, system: LeafSystem, name: str | None = None) -> InputPort:
         """Declare the input port for a target: a RigidTransform X_WE."""
         return system.DeclareAbstractInputPort(name or self.port, Value(RigidTransform()))
+
+
+def native_task_of(task: PlantTask, rows: Sequence[int], length: float = 0.0) -> NativeTask | None:
+    """The kernel's error and Jacobian of a task of the tool's place, if its chain moves as the plant does.
+
+    Args:
+        task: with its arm.
+        rows: which of the six rows [ω; v] count (m,).
+        length: of a turn of 1 rad, for a task whose target is a pose [m].
+    """
+    arm = task.arm
+    native = native_task(arm.chain.packed(), arm.num_joints, rows, length)
+    if native is None:
+        return None
+    for fraction in CHECKED_AT:
+        q = arm.default_position + fraction * np.arange(1.0, arm.num_joints + 1.0)
+        J, seen = native.jacobian(q), task.target_jacobian(arm.context_at(q))
+        if not np.allclose(J, seen, rtol=0.0, atol=SAME * max(1.0, arm.chain.reach)):
+            return None
+    return native
 
 
 def _finite(vector: Array) -> bool:

@@ -170,10 +170,11 @@ class FuzzyMapping:
             step = native(
                 J,
                 dr,
-                self.row_floor if solve else hypot(self.row_floor, damping),
+                self.row_floor,
                 self.column_floor,
                 self.zero_threshold,
-                hypot(self.damping, damping),
+                self.damping,
+                damping,
                 LARGEST_GROWTH if solve else 0.0,
             )
             if step is not None:
@@ -243,10 +244,12 @@ class FuzzyMapping:
 _ones = cache(np.ones)
 
 
-@cache
+_made = cache(NativeStep)
+
+
 def _native_step() -> NativeStep | None:
     loaded = kernel()
-    return NativeStep(loaded) if loaded else None
+    return _made(loaded) if loaded else None
 
 
 def fit_to_range(law: Any, task: Any) -> Any:

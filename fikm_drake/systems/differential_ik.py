@@ -9,6 +9,7 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.arrays import Array
 from fikm_drake.control.joint_limits import JointLimits, StepBox
+from fikm_drake.control.native_safe_step import native_safe_step
 from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -112,6 +113,9 @@ class DifferentialIk(LeafSystem):
             nominal_position=nominal_position,
             singularity_nudge=singularity_nudge,
         )
+        self._native = None
+        if limits:
+            self._native = native_safe_step(self._task, law, self._safe_step, limits)
         n = arm.num_joints
         self._hold = np.zeros(n)
         self._error = self.DeclareVectorInputPort("task_error", m).Eval
@@ -150,8 +154,14 @@ class DifferentialIk(LeafSystem):
         damping = float(self._damping(context)[0]) if self._damping else None
         lost = self._guard is not None and not self._task.is_finite(self._guard(context))
         lost = lost or (damping is not None and not abs(damping) < MOST_DAMPING)
+        if lost:
+            return self._hold, False
         q = self._position(context)
-        if lost or not (all_finite(error) and all_finite(q)):
+        if self._native:
+            step = self._native(q, error, self._command(context), damping or 0.0)
+            if step is not None:
+                return step, False
+        if not (all_finite(error) and all_finite(q)):
             return self._hold, False
         J = self._task.jacobian(q)
         if self._limits is None:

@@ -20,6 +20,7 @@ from fikm_drake.arrays import Array
 from fikm_drake.checks import check_position
 from fikm_drake.control.cycle import ControlCycle, CycleState, Tick
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.control.native_cycle import native_cycle, packed
 from fikm_drake.control.steps import length
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
@@ -49,8 +50,8 @@ class FusedFuzzyIk(LeafSystem):
         - status
 
     The ports are those of `FuzzyIkController`, described there. What a tick does is told in
-    `control.cycle`; its state is this block's discrete state, one group for each field of
-    `CycleState`.
+    `control.cycle`; its state is this block's discrete state in three groups: command, velocity, and the
+    rest of `CycleState`. Where there is the native kernel it does the ordinary cycles, `NativeCycle`.
 
     Args:
         plant: a finalized plant; it is not copied.
@@ -94,8 +95,13 @@ class FusedFuzzyIk(LeafSystem):
             count = self._cycle.num_others
             self._others = self.DeclareVectorInputPort("obstacle_position", count)
         start = self._cycle.start(task.arm.default_position)
-        groups = CycleState(*(self.DeclareDiscreteState(part) for part in start))
-        self._groups = tuple(range(len(groups)))
+        self._native = native_cycle(self._cycle)
+        ends = np.cumsum([0, *(len(part) for part in start[2:])]).tolist()
+        self._parts = [slice(first, end) for first, end in zip(ends, ends[1:])]
+        groups = [
+            self.DeclareDiscreteState(part)
+            for part in (start.command, start.velocity, packed(start))
+        ]
         self._jerk_limit, self._window = self._cycle.jerk_limit, len(groups)
         if self._jerk_limit:
             self.DeclareDiscreteState(self._jerk_limit.start(start.command).ravel())
@@ -107,8 +113,8 @@ class FusedFuzzyIk(LeafSystem):
             ):
                 self._declare_sent(name, n, calc)
         else:
-            self.DeclareStateOutputPort("commanded_position", groups.command)
-            self.DeclareStateOutputPort("commanded_velocity", groups.velocity)
+            self.DeclareStateOutputPort("commanded_position", groups[0])
+            self.DeclareStateOutputPort("commanded_velocity", groups[1])
         self._declare_output("joint_step", n, lambda tick: tick.joint_step)
         self._declare_output("task_error", m, lambda tick: tick.error)
         self._declare_output("gain", 1, lambda tick: tick.gain)
@@ -148,26 +154,32 @@ class FusedFuzzyIk(LeafSystem):
             context.SetDiscreteState(self._window, self._jerk_limit.start(position).ravel())
 
     def _start(self, discrete_state: DiscreteValues, position: Array) -> None:
-        for i, part in enumerate(self._cycle.start(position)):
+        start = self._cycle.start(position)
+        for i, part in enumerate((start.command, start.velocity, packed(start))):
             discrete_state.set_value(i, part)
         if self._jerk_limit:
             discrete_state.set_value(self._window, self._jerk_limit.start(position).ravel())
 
+    def _state(self, command: Array, velocity: Array, memory: Array) -> CycleState:
+        """The state by its names; what is written there is written to the vectors."""
+        return CycleState(command, velocity, *[memory[part] for part in self._parts])
+
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
-        get = context.get_discrete_state
-        state = CycleState(*(get(i).value() for i in self._groups))
-        return state, self._tick_of(context, state, *self._inputs(context, state))
-
-    def _inputs(self, context: Context, state: CycleState) -> tuple[Any, Array, Array | None]:
-        """The target, the joints and where obstacles are, as `ControlCycle.tick` takes them."""
-        q = self._estimated.Eval(context) if self._measured else state.command
-        return self._desired(context), q, _value(self._others, context)
-
-    def _tick_of(
-        self, context: Context, state: CycleState, target: Any, q: Array, others: Array | None
-    ) -> Tick:
+        parts = [context.get_discrete_state(i).value() for i in range(3)]
+        state = self._state(*parts)
+        target, q, others = self._inputs(context, state.command)
         motion = _value(self._motion, context)
-        return self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
+        if self._native and motion is None:
+            tick = self._native.tick(state.command, parts[2], target, q)
+            if tick:
+                return state, tick
+        tick = self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
+        return state, tick
+
+    def _inputs(self, context: Context, command: Array) -> tuple[Any, Array, Array | None]:
+        """The target, the joints and where obstacles are, as `ControlCycle.tick` takes them."""
+        q = self._estimated.Eval(context) if self._measured else command
+        return self._desired(context), q, _value(self._others, context)
 
     def _declare_output(self, name: str, size: int, pick: Callable[[Tick], Array | float]) -> None:
         """An output picked from a tick, computed when somebody asks."""
@@ -204,14 +216,14 @@ class FusedFuzzyIk(LeafSystem):
         return length(self._cycle.task.error(self._desired(context), sent)) <= tolerance
 
     def _calc_oscillating(self, context: Context, output: BasicVector) -> None:
-        supervision = CycleState._fields.index("supervision")
-        memory = context.get_discrete_state(supervision).value()
-        output[0] = self._cycle.supervision.oscillating(memory)
+        output[0] = self._cycle.supervision.oscillating(self._supervision(context))
 
     def _calc_joint(self, context: Context, output: BasicVector) -> None:
-        supervision = CycleState._fields.index("supervision")
-        memory = context.get_discrete_state(supervision).value()
-        output[0] = self._cycle.supervision.oscillating_joint(memory)
+        output[0] = self._cycle.supervision.oscillating_joint(self._supervision(context))
+
+    def _supervision(self, context: Context) -> Array:
+        state = self._state(*(context.get_discrete_state(i).value() for i in range(3)))
+        return state.supervision
 
     def _calc_status(self, context: Context, output: BasicVector) -> None:
         state, tick = self._tick(context)
@@ -223,12 +235,17 @@ class FusedFuzzyIk(LeafSystem):
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         # The values hold the present state until they are written.
         get = discrete_state.get_mutable_value
-        state = CycleState(*map(get, self._groups))
-        target, q, others = self._inputs(context, state)
+        command, velocity, memory = get(0), get(1), get(2)
+        target, q, others = self._inputs(context, command)
+        motion = _value(self._motion, context)
         if self._jerk_limit:
-            memory = get(self._window).reshape(-1, len(state.command))  # a view
-            self._jerk_limit.remember(memory, state.command)
-        tick = self._tick_of(context, state, target, q, others)
+            # A view: the last commands.
+            self._jerk_limit.remember(get(self._window).reshape(-1, len(command)), command)
+        if self._native and motion is None:
+            if self._native.advance(command, velocity, memory, target, q):
+                return
+        state = self._state(command, velocity, memory)
+        tick = self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
         self._cycle.advance(state, target, q, tick, others)
 
 

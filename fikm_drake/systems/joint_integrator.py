@@ -30,7 +30,6 @@ class JointIntegrator(LeafSystem):
         - valid
         - following
         - limited
-        - motion
         - deviation
 
     - **joint_step** (n) [rad or m]: of this cycle.
@@ -42,7 +41,6 @@ class JointIntegrator(LeafSystem):
     - **valid** (1): 1 while `joint_step` is finite, else 0. A step that is not finite counts as zeros.
     - **limited** (1): 1 while a limit of position, speed or acceleration takes away a part of
       `joint_step`, else 0.
-    - **motion** (n) [rad or m]: what of `joint_step` is done, by which the command changes in this cycle.
     - **following** (1): 1 while `estimated_position` is within `following_distance` of the command or
       unconnected, else 0.
     - **deviation** (n) [rad or m]: `estimated_position` less the command; zeros where it is unconnected or
@@ -115,12 +113,6 @@ class JointIntegrator(LeafSystem):
             prerequisites_of_calc={step.ticket(), self.xd_ticket()},
         )
         self.DeclareVectorOutputPort(
-            "motion",
-            n,
-            self._calc_motion,
-            prerequisites_of_calc={step.ticket(), self.xd_ticket()},
-        )
-        self.DeclareVectorOutputPort(
             "deviation",
             n,
             self._calc_deviation,
@@ -152,20 +144,13 @@ class JointIntegrator(LeafSystem):
         estimated = self._estimated.Eval(context) if self._estimated.HasValue(context) else command
         output.set_value(estimated - command if all_finite(estimated) else np.zeros(len(command)))
 
-    def _after(self, context: Context, position: Array, velocity: Array) -> Array:
-        step = self._step(context)
-        if not all_finite(step):
-            step = np.zeros_like(step)
-        return self._limits.integrate(position, step, velocity)
-
-    def _calc_motion(self, context: Context, output: BasicVector) -> None:
-        q, velocity = (context.get_discrete_state(i).value() for i in (0, 1))
-        output.set_value(self._after(context, q, velocity) - q)
-
     def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
         position = discrete_state.get_mutable_value(0)  # holds q until it is written
         velocity = discrete_state.get_mutable_value(1)
-        after = self._after(context, position, velocity)
+        step = self._step(context)
+        if not all_finite(step):
+            step = np.zeros_like(step)
+        after = self._limits.integrate(position, step, velocity)
         velocity[:] = (after - position) * self._rate
         position[:] = after
 

@@ -20,7 +20,6 @@ class TaskError(LeafSystem):
         - position
         output_ports:
         - task_error
-        - target
         - valid
 
     - **desired_position** (m) [m]: target of the tool's origin, in the world frame. Other tasks have
@@ -28,8 +27,6 @@ class TaskError(LeafSystem):
       **desired_pointing** (6) for `PointingTask`, or whatever a task of one's own declares.
     - **position** (n) [rad or m]: the joints.
     - **task_error** (m) [m]: desired minus actual, see the task; zeros while it is not finite.
-    - **target** (c) [m]: the target's coordinates, as `GainSupervisor` takes them: see
-      `TaskKinematics.target_coordinates`; zeros while they are not finite.
     - **valid** (1): 1 while the error is finite, else 0.
 
     Args:
@@ -56,7 +53,6 @@ class TaskError(LeafSystem):
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
-        self.num_coordinates = self._task.num_coordinates
         self._zeros = np.zeros(self._task.size)
         desired = self._task.declare_target(self)
         position = self.DeclareVectorInputPort("position", self._task.arm.num_joints)
@@ -64,12 +60,6 @@ class TaskError(LeafSystem):
         inputs = {desired.ticket(), position.ticket()}
         self.DeclareVectorOutputPort(
             "task_error", self._task.size, self._calc_error, prerequisites_of_calc=inputs
-        )
-        self.DeclareVectorOutputPort(
-            "target",
-            self._task.num_coordinates,
-            self._calc_target,
-            prerequisites_of_calc={desired.ticket()},
         )
         self.DeclareVectorOutputPort("valid", 1, self._calc_valid, prerequisites_of_calc=inputs)
 
@@ -79,7 +69,3 @@ class TaskError(LeafSystem):
 
     def _calc_valid(self, context: Context, output: BasicVector) -> None:
         output[0] = all_finite(self._task.error(self._desired(context), self._position(context)))
-
-    def _calc_target(self, context: Context, output: BasicVector) -> None:
-        target = self._task.target_coordinates(self._desired(context))
-        output.set_value(target if all_finite(target) else np.zeros(len(target)))

@@ -5,8 +5,9 @@ from math import inf, isfinite
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.arrays import LARGEST
 from fikm_drake.checks import check_counts, check_positive
-from fikm_drake.control.steps import all_finite, amplify, length
+from fikm_drake.control.steps import amplify, length
 from fikm_drake.systems.valid_port import declare_valid_port
 
 
@@ -54,9 +55,9 @@ class VariableGain(LeafSystem):
         declare_valid_port(self)
 
     def _calc(self, context: Context, output: BasicVector) -> None:
-        gain, error = self._gain(context), self._error(context)
+        gain, error = self._gain(context).item(), self._error(context)
         size = length(error)
-        if all_finite(gain) and isfinite(size):
-            output.set_value(amplify(float(gain[0]), error, size, self._limit))
+        if abs(gain) < LARGEST and isfinite(size):
+            output.set_value(amplify(gain, error, size, self._limit))
         else:
             output.set_value(self._zeros)

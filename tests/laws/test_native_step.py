@@ -67,9 +67,9 @@ def test_threads_do_not_share_buffers(native_kernel):
     def run(seed):
         rng = np.random.default_rng(seed)
         J, dr = rng.normal(size=(3, 7)), rng.normal(size=3)
-        first = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0)
+        first = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0)
         for _ in range(300):
-            if not np.array_equal(step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0), first):
+            if not np.array_equal(step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0), first):
                 wrong.append(seed)
 
     threads = [threading.Thread(target=run, args=(seed,)) for seed in range(3)]

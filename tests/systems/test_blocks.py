@@ -49,7 +49,7 @@ MAKERS = {
 PORTS = {
     "TaskError": (
         {"desired_position": 3, "position": 7},
-        {"task_error": 3, "target": 3, "valid": 1},
+        {"task_error": 3, "valid": 1},
     ),
     "GainSupervisor": (
         {"task_error": 3, "joint_step": 7, "target": 3, "deviation": 7},
@@ -81,7 +81,6 @@ PORTS = {
             "valid": 1,
             "following": 1,
             "limited": 1,
-            "motion": 7,
             "deviation": 7,
         },
     ),
@@ -123,7 +122,6 @@ PORTS = {
 
 # Outputs that do not feed through from an input; all others do.
 STATE_ONLY = {
-    "TaskError": {("position", "target")},
     "GainSupervisor": {(i, "gain") for i in ("joint_step", "target", "deviation")}
     | {
         (i, o)
@@ -136,7 +134,6 @@ STATE_ONLY = {
         ("joint_step", "following"),
         ("estimated_position", "valid"),
         ("estimated_position", "limited"),
-        ("estimated_position", "motion"),
         ("joint_step", "deviation"),
     },
     "CommandSupervisor": {

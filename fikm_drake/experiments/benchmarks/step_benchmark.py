@@ -15,11 +15,13 @@ from pydrake.multibody.inverse_kinematics import (
     DifferentialInverseKinematicsParameters,
 )
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
+from fikm_drake.kinematics.native.kernel import numpy_only
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.simulation.scenario import Scenario, load_scenario
 
@@ -59,7 +61,8 @@ def step_benchmark(
     Drake's `DifferentialInverseKinematicsIntegrator` runs twice: as its examples set it up, for a
     pose and with joint velocity limits, and with the least to do: position only. Ours run twice as well,
     for a position as in the paper and for a pose with the recommended law, `POSE_LAW`; both keep the
-    plant's limits.
+    plant's limits. Where there is the native kernel they use it; the fused block runs without it too. A block
+    of one line of Python says what the framework takes.
 
     Args:
         rounds: how often each follows the whole path.
@@ -74,10 +77,13 @@ def step_benchmark(
     makers = {
         DRAKE_USUAL: _drake_step(usual=True),
         DRAKE_LEAST: _drake_step(usual=False),
+        "a Python block that reads and writes": _floor,
         "fikm_drake Diagram": _our_step(fused=False),
         "fikm_drake fused": _our_step(fused=True),
+        "fikm_drake fused, numpy": _our_step(fused=True, native=False),
         "fikm_drake Diagram, pose": _our_step(fused=False, pose=True),
         "fikm_drake fused, pose": _our_step(fused=True, pose=True),
+        "fikm_drake fused, pose, numpy": _our_step(fused=True, pose=True, native=False),
     }
     times: dict[str, list[list[float]]] = {name: [] for name in makers}
     with quiet_drake():
@@ -125,8 +131,42 @@ def _follow(step: Step, cycles: int) -> list[float]:
         gc.enable()
 
 
-def _our_step(*, fused: bool, pose: bool = False) -> Callable[[Scenario], Step]:
+def _floor(scenario: Scenario) -> Step:
+    """A block that takes a target and keeps it."""
+    block = _Keeper(1.0 / scenario.control_rate)
+    simulator = Simulator(block)
+    context, targets = simulator.get_mutable_context(), list(scenario.targets())
+    port = block.GetInputPort("target")
+    return _timed(simulator, lambda k: port.FixValue(context, targets[k]), scenario)
+
+
+class _Keeper(LeafSystem):
+    def __init__(self, period: float) -> None:
+        super().__init__()
+        self._target = self.DeclareVectorInputPort("target", 3).Eval
+        self.DeclareDiscreteState(3)
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _update(self, context: Context, discrete_state: DiscreteValues) -> None:
+        discrete_state.get_mutable_value(0)[:] = self._target(context)
+
+
+def _our_step(
+    *, fused: bool, pose: bool = False, native: bool = True
+) -> Callable[[Scenario], Step]:
     def make(scenario: Scenario) -> Step:
+        if not native:
+            with numpy_only():
+                step = with_kernel(scenario)
+
+            def without_kernel(k: int) -> float:
+                with numpy_only():
+                    return step(k)
+
+            return without_kernel
+        return with_kernel(scenario)
+
+    def with_kernel(scenario: Scenario) -> Step:
         plant = MakeDhArmPlant(scenario.load_arm())
         config = dataclasses.replace(scenario.controller_config(), fused=fused)
         if pose:

@@ -13,15 +13,22 @@ from fikm_drake.experiments.fuzz.block_fuzz import (
     supervised_ik_case,
 )
 from fikm_drake.experiments.fuzz.controller_fuzz import Violation, controller_case
+from fikm_drake.experiments.fuzz.native_fuzz import native_case
 
 KINDS: dict[str, Callable[[np.random.Generator], Iterator[list[Violation]]]] = {
     "controller": controller_case,
     "law": law_case,
     "command supervisor": command_supervisor_case,
     "supervised differential IK": supervised_ik_case,
+    "native cycle": native_case,
 }
 """What is run in a case, by name."""
-EVERY = {"law": (10, 3), "command supervisor": (20, 7), "supervised differential IK": (20, 15)}
+EVERY = {
+    "law": (10, 3),
+    "command supervisor": (20, 7),
+    "supervised differential IK": (20, 15),
+    "native cycle": (10, 9),
+}
 """Of so many cases the one at this index is of this kind; the others are of controllers."""
 MOST_EXAMPLES = 3
 """Examples that are kept of a kind of violation."""

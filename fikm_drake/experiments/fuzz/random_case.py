@@ -45,11 +45,11 @@ def random_case(rng: np.random.Generator) -> RandomCase:
     config = random_config(rng, arm)
     start = arm.posture(rng)
     count = int(rng.integers(*CYCLES))
-    noise = [_noise(rng, len(start), arm.scale) for _ in range(count)]
-    targets = _targets(rng, arm, config.task, start, count)
+    noise = [random_noise(rng, len(start), arm.scale) for _ in range(count)]
+    targets = random_targets(rng, arm, config.task, start, count)
     measured = config.measured_position or bool(rng.random() < 0.2)
     size = 10.0 ** rng.uniform(-3.0, 3.0)
-    wishes = [size * _noise(rng, len(start), arm.scale) for _ in range(count)]
+    wishes = [size * random_noise(rng, len(start), arm.scale) for _ in range(count)]
     return RandomCase(arm, config, start, targets, noise, wishes, measured)
 
 
@@ -141,14 +141,15 @@ def is_bad(target: Target) -> bool:
     return not np.linalg.norm(numbers) < 1e100
 
 
-def _noise(rng: np.random.Generator, n: int, scale: float) -> Array:
+def random_noise(rng: np.random.Generator, n: int, scale: float) -> Array:
+    """Of measured joints (n,) [rad or m], bad numbers among it."""
     noise = 1e-3 * rng.normal(size=n) if rng.random() < 0.8 else np.zeros(n)
     if rng.random() < 0.05:
         noise[rng.integers(n)] = rng.choice(BAD)
     return noise
 
 
-def _targets(
+def random_targets(
     rng: np.random.Generator, arm: RandomArm, task: str, start: Array, count: int
 ) -> list[Target]:
     """Targets that rest, creep, jump, lie out of reach, shake, and are no numbers at times."""

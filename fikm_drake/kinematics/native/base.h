@@ -12,10 +12,13 @@ static void divisors(double *sums, int count, double floor_, double zero) {
 }
 
 /* `FuzzyMapping.step` of one J (m,n), m <= 6: the paper's law, or with growth > 0 the direct solve of
- * `normal_equations_of_one`. 1: the equations are nearly singular, iterations do better. */
+ * `normal_equations_of_one`; `extra` damping is a floor of the rows in the former. 1: the equations are
+ * nearly singular, iterations do better. */
 int fikm_step(int m, int n, const double *J, const double *dr, double row_floor, double column_floor,
-              double zero, double damping, double growth, double *dq) {
+              double zero, double damping, double extra, double growth, double *dq) {
     double R[6] = {0.0}, C[MAX_JOINTS] = {0.0}, M[6][6], y[6], before = 0.0, after = 0.0;
+    if (growth > 0.0) damping = hypot(damping, extra);
+    else row_floor = hypot(row_floor, extra);
     for (int i = 0; i < m; i++)
         for (int j = 0; j < n; j++) R[i] += fabs(J[i * n + j]), C[j] += fabs(J[i * n + j]);
     divisors(R, m, row_floor, zero);

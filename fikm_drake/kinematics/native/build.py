@@ -17,7 +17,10 @@ from pathlib import Path
 FOLDER = Path(__file__).parent
 LIBRARY = FOLDER / "_kernel.so"
 """Beside its sources, in a checkout too; git ignores it."""
-SOURCES = ("lanes.h", "curve.h", "base.h", "clearance.h", "kernel.c")
+SOURCES = (
+    *("lanes.h", "curve.h", "base.h", "clearance.h", "supervision.h", "cycle.h"),
+    "kernel.c",
+)
 FLAGS = [
     "-std=c99",
     "-O3",

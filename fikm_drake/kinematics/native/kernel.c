@@ -316,4 +316,6 @@ int PASTE(fikm_solve, ISA)(const double *chain, int n, const double *o, const do
 #include "base.h"
 #include "curve.h"
 #include "clearance.h"
+#include "supervision.h"
+#include "cycle.h"
 #endif

@@ -16,6 +16,7 @@
 #define PASTE_(a, b) a##_##b
 #define PASTE(a, b) PASTE_(a, b)
 #define MAX_JOINTS 64
+#define MAX_TARGET 12 /* coordinates of a target */
 #define INLINE inline __attribute__((always_inline))
 #define LANES(l) for (int l = 0; l < W; l++)
 

@@ -31,9 +31,12 @@ class NativeStep(threading.local):
         column_floor: float,
         zero_threshold: float,
         damping: float,
+        extra: float,
         growth: float,
     ) -> Array | None:
         """The paper's law, or with a `growth` the direct solve as far as y grows no more than that.
+
+        `extra` is the supervisor's damping; in the paper's law a floor of the rows.
 
         Returns:
             (n,), or None: numpy has to do it.
@@ -48,6 +51,6 @@ class NativeStep(threading.local):
         rows[:], error[:] = J, dr
         failed = self._step(
             *(m, n, at_rows, at_error),
-            *(row_floor, column_floor, zero_threshold, damping, growth, at_step),
+            *(row_floor, column_floor, zero_threshold, damping, extra, growth, at_step),
         )
         return None if failed else step.copy()

@@ -9,7 +9,7 @@ from fikm_drake.arrays import LARGEST, Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
-from fikm_drake.kinematics.task_kinematics import PoseTargetTask
+from fikm_drake.kinematics.task_kinematics import PoseTargetTask, native_task_of
 
 
 class OrientationTask(PoseTargetTask):
@@ -40,6 +40,8 @@ class OrientationTask(PoseTargetTask):
         )
         # A turn by φ changes the rotation matrix by 2√2 sin(φ/2), in the Frobenius norm.
         self._scale = np.array([self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0])
+        if type(self) in (OrientationTask, PoseTask):
+            self.native = native_task_of(self, range(self.size), self.characteristic_length)
 
     def target_error(self, context: Any, target: RigidTransform) -> Array:
         """The scaled rotation vector (3,) [m]; NaN if the position is not finite, though it is free."""

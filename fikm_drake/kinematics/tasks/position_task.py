@@ -5,7 +5,7 @@ from typing import Any
 from fikm_drake.arrays import Array
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task import POSITION_TASKS, Task
-from fikm_drake.kinematics.task_kinematics import PlantTask
+from fikm_drake.kinematics.task_kinematics import PlantTask, native_task_of
 
 
 class PositionTask(PlantTask):
@@ -34,6 +34,8 @@ class PositionTask(PlantTask):
         self.size = len(rows)
         # A slice costs a step less than a list.
         self._axes = slice(rows[0], rows[-1] + 1, rows[1] - rows[0] if len(rows) > 1 else 1)
+        if type(self) is PositionTask:
+            self.native = native_task_of(self, [3 + row for row in rows])
 
     def target_error(self, context: Any, target: Array) -> Array:
         """Desired minus actual position (m,) [m]."""

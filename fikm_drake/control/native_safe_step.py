@@ -1,0 +1,88 @@
+"""The joint step of a filtered error by the native kernel, wherever no limit takes a part of it away."""
+
+import threading
+
+import numpy as np
+
+from fikm_drake.arrays import Array
+from fikm_drake.control.joint_limits import SURE, JointLimits
+from fikm_drake.control.safe_step import PASSES, UNMOVED, SafeStep
+from fikm_drake.kinematics.native.kernel import Kernel, address, kernel
+from fikm_drake.kinematics.task_kinematics import PlantTask, TaskKinematics
+from fikm_drake.laws import Law
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
+from fikm_drake.laws.normal_equations import LARGEST_GROWTH
+
+
+class NativeSafeStep(threading.local):
+    """`SafeStep.inside` with the Jacobian as one call, for what `native_safe_step` takes.
+
+    The buffers are one set for each thread.
+
+    Args:
+        loaded: the kernel.
+        options: as `native/cycle.h` lists them.
+        num_rows: m.
+        num_joints: n.
+    """
+
+    def __init__(self, loaded: Kernel, options: Array, num_rows: int, num_joints: int) -> None:
+        self._made_of = loaded, options, num_rows, num_joints
+        self._command, self._q, self._error = (
+            np.zeros(k) for k in (num_joints, num_joints, num_rows)
+        )
+        self._step = np.zeros(num_joints)
+        self._run = loaded.step_at
+        self._at = tuple(map(address, (options, self._command, self._q, self._error)))
+        self._at_step = address(self._step)
+
+    def __call__(self, q: Array, error: Array, command: Array, damping: float) -> Array | None:
+        """The joint step (n,) [rad or m], or None: Python does it.
+
+        Args:
+            q: joint positions (n,) [rad or m].
+            error: filtered error (m,) [m].
+            command: joint positions (n,) [rad or m].
+            damping: 0 for none [-].
+        """
+        self._q[:], self._error[:], self._command[:] = q, error, command
+        return self._step if self._run(*self._at, damping, self._at_step) else None
+
+
+def native_safe_step(
+    task: TaskKinematics, law: Law, safe_step: SafeStep, limits: JointLimits
+) -> NativeSafeStep | None:
+    """The kernel's step for what `step_options` takes, or None: `SafeStep` does it."""
+    loaded, options = kernel(), step_options(task, law, safe_step, limits)
+    if loaded is None or options is None:
+        return None
+    return NativeSafeStep(loaded, options, task.size, task.arm.num_joints)
+
+
+def step_options(
+    task: TaskKinematics, law: Law, safe_step: SafeStep, limits: JointLimits
+) -> Array | None:
+    """What `native/cycle.h` is told of a step; None where it does not know the law, the task or the limits.
+
+    It knows tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
+    iteration or with as many as there are rows, without limits of acceleration and posture.
+    """
+    if not isinstance(task, PlantTask) or task.native is None:
+        return None
+    if type(law) is not FuzzyMapping or law.method != "indirect" or 1 < law.iterations < task.size:
+        return None
+    if limits.brakes or safe_step.posture is not None:
+        return None
+    n, near, turns = task.arm.num_joints, safe_step.limits, task.native.options
+    step: list[float] = [
+        task.size,
+        n,
+        safe_step.longest * SURE,
+        safe_step.dead,
+        safe_step.side_step,
+    ]
+    step += [UNMOVED, near is not None, PASSES, law.row_floor, law.column_floor, law.zero_threshold]
+    step += [law.damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
+    zones = (np.zeros(n),) * 5 if near is None else near.numbers
+    arrays = (limits.lower, limits.upper, limits.fastest, *zones, task.native.packed)
+    return np.concatenate([np.array(step, dtype=float), *arrays])
