@@ -1,5 +1,6 @@
 """The step that keeps clear by the native kernel equals that of numpy."""
 
+import ctypes
 import threading
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from fikm_drake.control.clearance_config import (
     load_clearance_rules,
 )
 from fikm_drake.control.near_pairs import UNFELT, Near
+from fikm_drake.kinematics.native.native_clearance import ClearFields
 
 RATES = clearance_table(load_clearance_rules("clearance"))
 
@@ -110,6 +112,10 @@ def test_equals_numpy(native_kernel, near_too_near):
         assert (two.blocked, two.row) == (one.blocked, one.row)
         changed += one.row >= 0 and np.abs(one.step - drawn["step"]).max() > 1e-6
     assert changed > 100
+
+
+def test_the_fields_are_those_of_the_kernel(native_kernel):
+    assert native_kernel.clear_size() == ctypes.sizeof(ClearFields)
 
 
 def test_what_the_kernel_cannot_take_is_left_to_numpy(native_kernel):

@@ -17,7 +17,7 @@ from fikm_drake.experiments.benchmarks.obstacle_scenes import ObstacleScene
 from fikm_drake.kinematics.load_arm import load_arm
 
 GAIN, PAIRS = 20.0, 12
-"""Of the barrier [1/s]; pairs that it looks at, the nearest [-]."""
+"""Of the barrier, as in Pink's examples [1/s]; pairs that it looks at, the nearest [-]; not swept."""
 TASK_GAIN, POSTURE = 0.2, 1e-3
 """Fraction of the error that a cycle asks for [-]; cost of the posture beside the tool's 1 [-]."""
 

@@ -27,16 +27,16 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 @dataclass(frozen=True)
 class DrakeSettings:
-    """What Drake's users choose; the best of a sweep over each, others as here (48 scenes of seed 10)."""
+    """What Drake's users choose; the best gains of a sweep (48 scenes of seed 10)."""
 
     weight: float = 100.0
-    """Weight of the least-squares cost; swept from 1 to 1e4."""
+    """Weight of the least-squares cost."""
     gain: float = 0.05
     """K_VX: the fraction of the error that a cycle asks for [-]; swept from 0.05 to 1."""
     posture_gain: float = 0.0
-    """Posture gain of the joint-centering cost toward the start [-]; 0: there is none; swept to 1."""
+    """Posture gain of the joint-centering cost toward the start [-]; 0: there is none; swept to 0.1."""
     speed: float = 1.0
-    """Largest speed that is asked of the tool [rad/s, m/s]; swept from 0.5 to 2."""
+    """Largest speed that is asked of the tool [rad/s, m/s]."""
 
 
 def run_ours(

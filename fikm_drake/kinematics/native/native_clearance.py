@@ -1,6 +1,7 @@
 """The step that keeps clear by the native kernel."""
 
 import ctypes
+import itertools
 import threading
 from collections.abc import Callable
 from typing import NamedTuple
@@ -18,6 +19,8 @@ CLEARED, WANT_BOUNDS, WANT_LOOK, TO_NUMPY = range(4)
 """What a call answers."""
 TAKE, BEGIN, GO_ON, LOOKED, FINISH = range(5)
 """What a call is asked for."""
+_MARKS = itertools.count(1)
+"""Of what was taken up, each once in all threads."""
 _Pointer, _Int, _Double = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
 
 
@@ -95,7 +98,7 @@ class NativeClearStep(threading.local):
             setattr(fields, name, value)
         self._at, n = ctypes.addressof(fields), len(columns)
         self.taken = 0
-        """What a checker said last was taken up this many times: a mark of it that keeps nothing alive."""
+        """The mark of what was taken up last; unlike a reference it keeps nothing alive."""
         self._step, self._low, self._high, self._taken, self._J = (
             np.ctypeslib.as_array(part)
             for part in (fields.step, fields.low, fields.high, fields.taken, fields.J)
@@ -172,14 +175,14 @@ class NativeClearStep(threading.local):
         """
         fields = self._fields
         fields.padded = padded
-        self.taken += 1
+        self.taken = next(_MARKS)
         if not self._read(found) or self._run(self._at, TAKE) != CLEARED:
             return -1
         return fields.near
 
     def _look(self, look: Callable[[Array], RobotClearance], looks: int) -> int:
         """Look at the end of the step: it is corrected, then halved, then given up."""
-        self.taken += 1
+        self.taken = next(_MARKS)
         for i in range(looks):
             if not self._read(look(self._taken)):
                 return TO_NUMPY
