@@ -1,6 +1,8 @@
 """The map of the papers: no dangling name, no number left out, every key runs something."""
 
 import importlib
+import re
+from pathlib import Path
 
 import pytest
 
@@ -68,3 +70,20 @@ def test_map_has_a_row_an_item_and_the_verdicts_of_what_was_run(tmp_path, capsys
     assert "6 of 6 claims hold" in text and "not run" in text
     told = Section("table 6", "t", [Cell("e", 1.0, 0.5, True, 2.0, False)])
     assert "1 of 1 claims hold; told: 0 meet, 1 miss" in page({"fikm table 6": told})
+
+
+def test_the_map_that_is_kept_is_complete_and_up_to_date():
+    """Every row is today's, has a verdict, and links to a file that is there."""
+    folder = Path(__file__).parents[2] / "notebooks"
+    text = (folder / "papers.md").read_text("utf-8")
+    assert "not run |" not in text and "NOT REACHED" not in text
+
+    def rows(page_text):
+        lines = [line for line in page_text.splitlines() if line.startswith("| ")]
+        return [line.rsplit(" | ", 1)[0] for line in lines]
+
+    assert rows(text) == rows(page({}))
+    for link in re.findall(r"\]\(([^)]+)\)", text):
+        assert (folder / link).exists(), link
+    for held, of in re.findall(r"(\d+) of (\d+) claims hold", text):
+        assert held == of

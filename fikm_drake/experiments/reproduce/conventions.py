@@ -46,6 +46,14 @@ def both(log: RunLog) -> tuple[Errors, Errors]:
     return Errors.of(log.cycles.error), Errors.of(errors_before(log))
 
 
+def error_texts(log: RunLog) -> tuple[str, str]:
+    """e_max / e_mean / e_ss [cm] as text, after each step and before it."""
+    after, before = (
+        f"{100 * e.e_max:.3f} / {100 * e.e_mean:.3f} / {100 * e.e_ss:.4f}" for e in both(log)
+    )
+    return after, before
+
+
 def error_cells(log: RunLog, paper: tuple[float, float], prefix: str = "") -> list[Cell]:
     """e_max and e_mean [cm] beside the paper's, by both conventions."""
     after, before = both(log)

@@ -7,6 +7,7 @@ import numpy as np
 
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
+from fikm_drake.experiments.reproduce.conventions import error_texts
 from fikm_drake.experiments.reproduce.report import Cell, Section
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import load_scenario
@@ -58,21 +59,18 @@ def ablation() -> Section:
     for name, config in variants().items():
         config = dataclasses.replace(config, fused=True)
         line = simulate(load_scenario(LINE).with_config(config))
-        m = line.metrics()
-        figures = (
-            f"{100 * m.e_max:6.2f} / {100 * m.e_mean:5.2f} / {100 * m.e_ss:6.3f}"
-            f" / {_reversals(line):4.1f}"
-        )
+        figures, before = error_texts(line)
+        figures += f" / {_reversals(line):4.1f}"
         out = simulate(load_scenario(UNREACHABLE).with_config(config))
         beyond = 1000 * (out.metrics().e_ss - OPTIMUM)
         motion = np.abs(out.cycles.joint_step[-LAST:]).max()
-        cells.append(Cell(name, None, f"{figures} | {beyond:6.1f} / {motion:.3f}"))
+        cells.append(Cell(name, None, f"{figures} | {beyond:6.1f} / {motion:.3f}", before=before))
     return Section(
         "ablation",
         "section 2.7 without its parts, on a line and for a target out of reach",
         cells,
         notes=[
-            "First the line in 2 s: e_max / e_mean / e_ss [cm] / reversals of a joint a second; then the",
+            "First the line in 2 s: e_max / e_mean / e_ss [cm] / reversals a second; then the",
             "4-joint arm and the target (0, 2) out of reach: error over the optimum [mm] / joint step [rad].",
             "The paper says that without the modifications errors and oscillations grow, and that the",
             "filter of the error helps most. On the line so it is: the filter of the error, then the gain.",

@@ -126,7 +126,9 @@ def table_7() -> Section:
     for name, count in counts().items():
         ours = (*astuple(count), round(count.units))
         cells += [
-            equal(f"{name}: {column}{'' if name in COUNTED else ' (typed)'}", paper, mine)
+            equal(f"{name}: {column}", paper, mine)
+            if name in COUNTED
+            else Cell(f"{name}: {column} (typed)", paper, mine)
             for column, paper, mine in zip(COLUMNS, TABLE_7[name], ours)
         ]
     return Section("table 7", "operations of a cycle", cells, notes=_notes())
@@ -146,7 +148,8 @@ def _notes() -> list[str]:
         f"Pseudo-inverse over fuzzy, 7 joints: the law alone {law:.2f}, the whole cycle {cycle:.2f}; the",
         f"paper's 'two and a half times' is the law alone as n grows: {limit:.2f}.",
         "Cells marked (typed) are formulas of the literature that the paper cites, for the Jacobian and the",
-        "other methods; the Puma's zeros and the mapping's operations are counted here from the arm.",
+        "other methods, and claim nothing; the Puma's zeros and the mapping's operations are counted here",
+        "from the arm.",
     ]
 
 
