@@ -11,6 +11,8 @@ from fikm_drake import RunLog, load_arm
 from fikm_drake.cli import main, models, run
 from fikm_drake.cli.shared import progress
 from fikm_drake.experiments.benchmarks import batch_benchmark
+from fikm_drake.experiments.benchmarks.benchmark_page import section
+from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.resources import find_model, model_names
 
 SCENARIO = "arm: planar2\nwaypoints: [[1.5, 0.0], [1.3, 0.4]]\nduration: 0.3\nhold: 0.1\n"
@@ -232,6 +234,17 @@ def test_benchmarks_as_a_page(tmp_path, capsys):
     assert written == capsys.readouterr().out
     assert "## frmrc: " in written and "| damped least squares |" in written
     assert main(["benchmark", "all", "--page", "/nowhere/page.md", "--only", "frmrc"]) != 0
+
+
+def test_a_page_sums_up_long_tables():
+    row = {"arm": "panda", "error": 0.25}
+    short = section("calm", 150, BenchmarkTable(["summed up"], [row] * 60))
+    assert (
+        short.count("| panda | 0.25 |") == 60 and "`fikm-drake benchmark calm --runs 150`" in short
+    )
+    assert "```text\nsummed up\n```" in section(
+        "calm", 150, BenchmarkTable(["summed up"], [row] * 61)
+    )
 
 
 def test_benchmark_many_and_single(capsys):

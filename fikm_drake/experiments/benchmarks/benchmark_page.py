@@ -14,6 +14,8 @@ from pathlib import Path
 from fikm_drake.experiments.benchmarks.registry import BENCHMARKS
 from fikm_drake.kinematics.native.kernel import kernel_description
 
+MOST_ROWS = 60
+"""Of more rows than this a page has the benchmark's text, which sums them up."""
 HEAD = """# Benchmarks
 
 Written by `fikm-drake benchmark all --page FILE`; `fikm-drake benchmark NAME` prints one of them. Times are
@@ -32,11 +34,13 @@ def head() -> str:
 
 
 def section(name: str, count: int, table: str) -> str:
-    """One benchmark: its command and seeds, its rows (or its text if it has none), its columns."""
+    """One benchmark: its command and seeds, its rows and columns; of too many rows, or none, its text."""
     entry = BENCHMARKS[name]
     command = f"`fikm-drake benchmark {name} --{entry.count} {count}`"
     title = f"## {name}: {entry.help}"
-    return "\n".join([title, "", f"{command}; {entry.seeds}.", "", rows_as_markdown(table)])
+    long = len(getattr(table, "rows", ())) > MOST_ROWS
+    body = f"```text\n{table}\n```" if long else rows_as_markdown(table)
+    return "\n".join([title, "", f"{command}; {entry.seeds}.", "", body])
 
 
 def rows_as_markdown(table: str) -> str:
