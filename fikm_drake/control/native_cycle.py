@@ -105,17 +105,21 @@ def packed(state: CycleState) -> Array:
     return np.concatenate(state[2:])
 
 
-def native_cycle(cycle: ControlCycle) -> NativeCycle | None:
+def native_cycle(cycle: ControlCycle, *, free: bool = False) -> NativeCycle | None:
     """The kernel's cycle for an ordinary configuration, or None: `ControlCycle` does it.
 
     Ordinary are tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
     iteration or with as many as there are rows, without limits of acceleration, obstacles, secondary
     motion and search for another posture.
+
+    Args:
+        cycle: the cycle.
+        free: obstacles are the caller's: they must take nothing away of the step.
     """
     loaded, task, law, config = kernel(), cycle.task, cycle.law, cycle.config
     if not (loaded and isinstance(task, PlantTask) and cycle.supervision.native):
         return None
-    if cycle.clearance or cycle.restart:
+    if cycle.restart or (cycle.clearance and (not free or cycle.num_others)):
         return None
     options = step_options(task, law, cycle.safe_step, cycle.limits)
     if options is None:
