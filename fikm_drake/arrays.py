@@ -11,3 +11,8 @@ LARGEST = 1e100
 
 Bools = NDArray[np.bool_]
 """A mask, such as which of N targets were reached."""
+
+
+def all_finite(vector: Array) -> bool:
+    """True if no element of a vector (n,) is NaN or infinite, and its length is below `LARGEST`."""
+    return bool(vector.dot(vector) < LARGEST**2)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from pydrake.planning import CollisionChecker, RobotClearance
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.control.clear_step import LOOKS, LOSS, Bounds, ClearStep
 from fikm_drake.control.clearance_config import (
@@ -16,7 +16,6 @@ from fikm_drake.control.clearance_config import (
     load_clearance_rules,
 )
 from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
-from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
 from fikm_drake.kinematics.plant_arm import PlantArm

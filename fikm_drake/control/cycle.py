@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydrake.planning import CollisionChecker
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.control.clearance import ClearanceInfo, make_clearance
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
@@ -42,7 +42,7 @@ from fikm_drake.control.status import (
     controller_status,
     follows,
 )
-from fikm_drake.control.steps import all_finite, amplify, length, low_pass
+from fikm_drake.control.steps import amplify, length, low_pass
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws import Law, LawLike, checked_law

@@ -4,10 +4,10 @@ from math import inf, sqrt
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_positive
 from fikm_drake.control.joint_limits import SURE, StepBox
-from fikm_drake.control.steps import all_finite, length
+from fikm_drake.control.steps import length
 
 
 class Guard:

@@ -20,11 +20,6 @@ def length(vector: Array) -> float:
     return sqrt(square) if square < SQUARE else inf
 
 
-def all_finite(vector: Array) -> bool:
-    """True if no element of a vector (n,) is NaN or infinite, and its length is below `LARGEST`."""
-    return bool(vector.dot(vector) < SQUARE)
-
-
 def amplify(gain: float, error: Array, size: float, limit: float) -> Array:
     """The error times the gain, the error, of length `size`, first shortened to the length `limit`."""
     return (gain * limit / size if size > limit else gain) * error

@@ -9,11 +9,10 @@ from pydrake.common.value import Value
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import InputPort, LeafSystem
 
-from fikm_drake.arrays import LARGEST, Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.kinematics.native.native_task import NativeTask, native_task
 from fikm_drake.kinematics.plant_arm import PlantArm
 
-_SQUARE = LARGEST**2
 CHECKED_AT = (0.1, -0.23)
 """Postures where the kernel's Jacobian is compared with the plant's [rad or m]."""
 SAME = 1e-9
@@ -110,7 +109,7 @@ class PlantTask(ABC):
         """Desired minus actual (m,) [m] at `q` (n,); NaN where `q` is not finite."""
         if self.native:
             return self.native.error(self.target_numbers(target), q)
-        if not _finite(q):
+        if not all_finite(q):
             return np.full(self.size, np.nan)
         return self.target_error(self.arm.context_at(q), target)
 
@@ -118,7 +117,7 @@ class PlantTask(ABC):
         """The task Jacobian (m,n) at `q` (n,); NaN where `q` is not finite."""
         if self.native:
             return self.native.jacobian(q)
-        if not _finite(q):
+        if not all_finite(q):
             return np.full((self.size, self.arm.num_joints), np.nan)
         return self.target_jacobian(self.arm.context_at(q))
 
@@ -126,7 +125,7 @@ class PlantTask(ABC):
         """Both at once, cheaper than one after the other."""
         if self.native:
             return self.native.error_and_jacobian(self.target_numbers(target), q)
-        if not _finite(q):
+        if not all_finite(q):
             return np.full(self.size, np.nan), np.full((self.size, self.arm.num_joints), np.nan)
         context = self.arm.context_at(q)
         return self.target_error(context, target), self.target_jacobian(context)
@@ -141,7 +140,7 @@ class PlantTask(ABC):
 
     def is_finite(self, target: Any) -> bool:
         """True if no number of a target is NaN or infinite."""
-        return _finite(target)
+        return all_finite(target)
 
     def declare_target(self, system: LeafSystem, name: str | None = None) -> InputPort:
         """Declare the input port for a target, a vector."""
@@ -159,7 +158,7 @@ class PoseTargetTask(PlantTask):
 
     def is_finite(self, target: RigidTransform) -> bool:
         """True if no number of a target is NaN or infinite."""
-        return _finite(target.GetAsMatrix34().ravel())
+        return all_finite(target.GetAsMatrix34().ravel())
 
     def declare_target(self, system: LeafSystem, name: str | None = None) -> InputPort:
         """Declare the input port for a target: a RigidTransform X_WE."""
@@ -184,8 +183,3 @@ def native_task_of(task: PlantTask, rows: Sequence[int], length: float = 0.0) ->
         if not np.allclose(J, seen, rtol=0.0, atol=SAME * max(1.0, arm.chain.reach)):
             return None
     return native
-
-
-def _finite(vector: Array) -> bool:
-    """Cheaper than np.isfinite(…).all(); what passes `LARGEST` counts as not finite too."""
-    return bool(vector.dot(vector) < _SQUARE)

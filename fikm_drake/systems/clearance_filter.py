@@ -3,9 +3,9 @@
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.control.clearance import Clearance, ClearanceInfo
 from fikm_drake.control.joint_limits import JointLimits
-from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.systems.valid_port import declare_valid_port
 

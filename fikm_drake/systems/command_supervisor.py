@@ -5,10 +5,9 @@ from collections.abc import Callable
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_period
 from fikm_drake.control.command_supervision import CommandSupervision, CommandSupervisorConfig
-from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.valid_port import declare_valid_port
 
 

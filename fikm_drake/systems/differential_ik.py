@@ -7,11 +7,10 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.native_safe_step import native_safe_step
 from fikm_drake.control.safe_step import make_safe_step
-from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike, checked_law

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.checks import check_not_negative, check_period, check_position
-from fikm_drake.control.steps import all_finite
 from fikm_drake.solvers.workplane.integer_fuzzy_ik import IntegerFuzzyIk
 from fikm_drake.solvers.workplane.workplane import Workplane
 

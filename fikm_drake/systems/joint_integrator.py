@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_limits, check_period, check_position
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.status import follows
-from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.start import declare_start, mark_placed
 from fikm_drake.systems.valid_port import declare_valid_port
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import (
     check_counts,
     check_period,
@@ -17,7 +17,6 @@ from fikm_drake.checks import (
 )
 from fikm_drake.control.follower import follow
 from fikm_drake.control.jerk_limit import JerkLimit
-from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.start import declare_start, mark_placed
 
 

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.checks import check_counts, check_period
-from fikm_drake.control.steps import all_finite
 from fikm_drake.systems.valid_port import declare_valid_port
 
 

@@ -2,9 +2,9 @@
 
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.checks import check_period
 from fikm_drake.control.null_space import null_space_step
-from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 
 

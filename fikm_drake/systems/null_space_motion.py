@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_position, check_positive_finite
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.null_space import (
@@ -15,7 +15,6 @@ from fikm_drake.control.null_space import (
     toward_middle,
     toward_posture,
 )
-from fikm_drake.control.steps import all_finite
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 

@@ -6,11 +6,12 @@ import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.checks import check_period, check_positive
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import make_restart_search
-from fikm_drake.control.steps import all_finite, length
+from fikm_drake.control.steps import length
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.systems.valid_port import declare_valid_port

@@ -5,8 +5,9 @@ from math import exp
 import numpy as np
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
+from fikm_drake.arrays import all_finite
 from fikm_drake.checks import check_counts, check_period, check_positive_finite
-from fikm_drake.control.steps import all_finite, low_pass
+from fikm_drake.control.steps import low_pass
 from fikm_drake.systems.valid_port import declare_valid_port
 
 

@@ -12,8 +12,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
-from fikm_drake.arrays import Array
-from fikm_drake.control.steps import all_finite
+from fikm_drake.arrays import Array, all_finite
 
 _PLACED = 0  # the numeric parameter that says that somebody has set the positions
 

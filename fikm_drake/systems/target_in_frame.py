@@ -10,7 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
-from fikm_drake.control.steps import all_finite
+from fikm_drake.arrays import all_finite
 from fikm_drake.kinematics.plant_frames import as_frame
 
 

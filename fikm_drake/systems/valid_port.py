@@ -4,8 +4,7 @@ import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import BasicVector, Context, LeafSystem, OutputPort
 
-from fikm_drake.arrays import Array
-from fikm_drake.control.steps import all_finite
+from fikm_drake.arrays import Array, all_finite
 
 
 def is_finite(value: Array | RigidTransform) -> bool:
