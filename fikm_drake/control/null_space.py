@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.control.clearance import Clearance
 
 H = 1e-5
@@ -41,7 +41,7 @@ def null_space_step(J: Array, motion: Array) -> Array:
         >>> null_space_step(np.array([[1.0, 1.0]]), np.array([0.2, 0.0])).round(3).tolist()
         [0.1, -0.1]
     """
-    if not motion.any() or not np.isfinite(J).all() or not np.isfinite(motion).all():
+    if not motion.any() or not np.isfinite(J).all() or not all_finite(motion):
         return np.zeros(len(motion))
     scale = np.sqrt(column_weights(J))
     # Scaling of the rows does not change the row space.
