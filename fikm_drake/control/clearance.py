@@ -1,6 +1,7 @@
 """A joint step that keeps clear of obstacles and of the arm itself."""
 
 from collections.abc import Sequence
+from functools import partial
 from math import inf
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from fikm_drake.control.clearance_config import (
     clearance_table,
     load_clearance_rules,
 )
+from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
@@ -230,6 +232,34 @@ class Clearance:
         )
         pair = pair_of(found, int(near.places[cleared.row])) if cleared.row >= 0 else NONE
         return cleared.step, ClearanceInfo(cleared.distance, cleared.blocked, pair)
+
+    def keep_inside(
+        self,
+        around: Around | None,
+        step: Array,
+        *,
+        J: Array,
+        box: StepBox,
+        velocity: Array,
+        others_before: Array,
+    ) -> tuple[Array, ClearanceInfo]:
+        """What `keep` does inside the limits of the joints, whose bounds are worked out only where needed.
+
+        Args:
+            around: of `around`; None: an input is not finite, and the joints hold.
+            step: the step that is asked for (n,) [rad or m].
+            J: the task Jacobian (m,n).
+            box: the limits about the command.
+            velocity: the last change of the command over the period (n,) [rad/s or m/s].
+            others_before: where others were in the last cycle (p,).
+        """
+        if around is None or not all_finite(step):
+            return np.zeros(len(step)), ClearanceInfo()
+        if box.surely_holds(step):
+            bounds = partial(box.bounds, velocity)
+            return self.keep(around, step, J=J, bounds=bounds, others_before=others_before)
+        low, high = box.bounds(velocity)
+        return self.keep(around, step, J=J, low=low, high=high, others_before=others_before)
 
     def _moved(self, q: Array, found: RobotClearance, others: Array, before: Array) -> Array | None:
         """What the motion of others in the last cycle changed of the distances found (k,) [m]."""

@@ -20,19 +20,17 @@ In tick k the joints are at q, their command is θ, and
 call its parts one by one.
 """
 
-from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.planning import CollisionChecker
 
-from fikm_drake.arrays import Array, all_finite
+from fikm_drake.arrays import Array
 from fikm_drake.control.clearance import ClearanceInfo, make_clearance
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
-from fikm_drake.control.jerk_limit import JerkLimit
 from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import RestartState, make_restart_search
@@ -166,8 +164,7 @@ class ControlCycle:
                 limits=self.limits,
                 clearance=self.clearance,
             )
-        self.jerk_limit = config.smoothing(arm)
-        check_jerk(config, self.jerk_limit, collision_checker)
+        self.jerk_limit = config.smoothing(arm, among_obstacles=collision_checker is not None)
         self.distance = config.following(arm)
         self._rate = 1.0 / config.period  # rounded as in JointIntegrator
         self._no_error, self._hold = np.zeros(task.size), np.zeros(arm.num_joints)
@@ -231,20 +228,9 @@ class ControlCycle:
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
             if self.clearance:
-                sure = box.surely_holds(step)
-                low, high = (None, None) if sure else box.bounds(state.velocity)
-                if around is None or not all_finite(step):
-                    step = self._hold
-                else:
-                    step, cleared = self.clearance.keep(
-                        around,
-                        step,
-                        J=J,
-                        low=low,
-                        high=high,
-                        bounds=partial(box.bounds, state.velocity) if sure else None,
-                        others_before=state.others,
-                    )
+                step, cleared = self.clearance.keep_inside(
+                    around, step, J=J, box=box, velocity=state.velocity, others_before=state.others
+                )
         if self.guard.surely_passes(step, box):
             taken, command = step, state.command + step
         else:
@@ -312,17 +298,6 @@ def make_law(task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = 
     """The law of a config, or `law`, checked; one of rules is fitted to the task's Jacobian."""
     chosen = config.law if law is None else law
     return checked_law(fit_to_range(chosen, task), task.size, task.arm.num_joints)
-
-
-def check_jerk(
-    config: FuzzyIkConfig, jerk_limit: JerkLimit | None, collision_checker: CollisionChecker | None
-) -> None:
-    """ValueError if there are both: what goes out is between the positions that were looked at."""
-    if jerk_limit and collision_checker is not None:
-        raise ValueError(
-            "jerk_limits can't be kept together with a collision checker, since the smoothed way is not "
-            f"looked at: leave one of them out, got jerk_limits {config.jerk_limits!r}"
-        )
 
 
 def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:

@@ -191,15 +191,21 @@ class FuzzyIkConfig:
         """Limits of jerk (n,), inf for none [rad/s³ or m/s³]."""
         return _least("jerk_limits", self.jerk_limits, np.full(arm.num_joints, inf))
 
-    def smoothing(self, arm: PlantArm) -> JerkLimit | None:
+    def smoothing(self, arm: PlantArm, *, among_obstacles: bool = False) -> JerkLimit | None:
         """What keeps the limits of jerk; None where there are none.
 
         Raises:
-            ValueError: see `JerkLimit`.
+            ValueError: see `JerkLimit`; or there are obstacles too: what goes out is between the positions
+                that were looked at.
         """
         jerks = self.jerks(arm)
         if not np.isfinite(jerks).any():
             return None
+        if among_obstacles:
+            raise ValueError(
+                "jerk_limits can't be kept together with a collision checker, since the smoothed way is not "
+                f"looked at: leave one of them out, got jerk_limits {self.jerk_limits!r}"
+            )
         return JerkLimit(
             jerks,
             period=self.period,

@@ -8,7 +8,7 @@ from pydrake.planning import CollisionChecker
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder, InputPort, System
 
 from fikm_drake.control.clearance import make_clearance
-from fikm_drake.control.cycle import check_jerk, make_law, make_limits
+from fikm_drake.control.cycle import make_law, make_limits
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
@@ -163,8 +163,7 @@ class FuzzyIkController(Diagram):
                 following_distance=config.following(arm),
             ),
         )
-        smoothing = config.smoothing(arm)
-        check_jerk(config, smoothing, collision_checker)
+        smoothing = config.smoothing(arm, among_obstacles=collision_checker is not None)
         sent: System = integrator  # whose position goes out
         if smoothing:
             sent = add(
