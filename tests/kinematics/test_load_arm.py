@@ -219,7 +219,7 @@ tool: {d: 0.01, theta: pi}
     one, other = load_arm(written(degrees)), load_arm(written(radians))
     q = np.random.default_rng(0).uniform(-1, 1, (20, 3))
     np.testing.assert_allclose(one.jacobian(q), other.jacobian(q), rtol=0, atol=1e-15)
-    for field in ("lower", "upper", "velocity"):
+    for field in ("lower", "upper", "velocity_limits"):
         np.testing.assert_allclose(getattr(one, field), getattr(other, field), rtol=1e-15)
     assert one.table.unit.angle == "rad" and one.table.joints[0].d == 0.3
     assert load_arm(written(yaml_dump_typed(one.table))).table == one.table
