@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_not_negative, check_number, check_position, check_positive
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
@@ -81,6 +81,8 @@ class SafeStep:
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
 
+        Zeros, and nothing taken away, where the error is not finite (`arrays.all_finite`).
+
         What a joint at its limit of position or speed may not do, or could not brake on the way that it
         has, the law does with the others, see `control.saturation`. How fast a step may change is left to
         the guard: to make up for that with other joints, in this cycle, would let the arm swing.
@@ -94,6 +96,8 @@ class SafeStep:
             resolved: False: the step keeps its direction, and limits are left to what follows, since
                 it knows of more than they are (`Clearance`).
         """
+        if not all_finite(error):
+            return np.zeros(len(q)), False
         free, weights, secondary = self._free(q, J, error, damping)
         short = self._short(free, error, J)
         if box.surely_holds(short):

@@ -160,6 +160,14 @@ def test_inside_wide_limits_it_is_the_step_itself():
     assert not less
 
 
+@pytest.mark.parametrize("size", [np.nan, np.inf, 3e100])
+def test_inside_limits_an_error_that_is_not_finite_asks_for_nothing(size):
+    J, _ = matrices(3)
+    box = StepBox(JointLimits(-np.ones(7), np.ones(7), period=0.01), Q)
+    step, limited = SafeStep(fd.FuzzyMapping()).inside(Q, J, np.array([0.0, size, 0.0]), box)
+    assert not step.any() and not limited
+
+
 @pytest.mark.parametrize("law", [fd.FuzzyMapping(), fd.FuzzyMapping(iterations=3)])
 @pytest.mark.parametrize("posture", [None, np.full(7, 0.3)])
 def test_one_slow_joint_does_not_hold_back_the_others(law, posture):
