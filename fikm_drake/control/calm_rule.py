@@ -56,6 +56,10 @@ DEEP = 0.1
 """An arm at rest with less than this fraction of its gain is calmed further [-]."""
 
 
+ROUNDED = 1e-9
+"""Jitter below this fraction of the target's path is that of rounding: the target has none [-]."""
+
+
 class CalmRule:
     """The calm of the next cycle: from 1, where nothing is calmed, down to `LEAST_CALM`.
 
@@ -90,7 +94,7 @@ class CalmRule:
         return (
             *(self._calming, self._recovery, self._damping, self.damped_first, self._range),
             *(LEAST_CALM, CANCELLED, CONSISTENT, EXPLAINED, NOISY, STAYS, AWAKE, PROGRESS),
-            *(LEAST_PROGRESS, CHANGES, LASTS, NEAR, JUMP, CREEPS, STILL, DEEP),
+            *(LEAST_PROGRESS, CHANGES, LASTS, NEAR, JUMP, CREEPS, STILL, DEEP, ROUNDED),
         )
 
     def gain(self, calm: float) -> float:
@@ -176,4 +180,5 @@ def _to_and_fro(motion: Motion) -> bool:
     if motion.cancelled <= CANCELLED or _noisy(motion):
         return False
     jitter = motion.path_target - motion.net_target
-    return not jitter > EXPLAINED * (motion.path_error - motion.net_error)
+    explains = EXPLAINED * (motion.path_error - motion.net_error)
+    return not jitter > explains + ROUNDED * motion.path_target

@@ -6,8 +6,9 @@
 enum { S_ROWS, S_JOINTS, S_COORDINATES, S_WINDOW, S_SLOW_WINDOW, S_TURNS, S_SLOW_TURNS, S_DEAD_BAND,
        S_ERROR_LIMIT, S_TOLERANCE, S_BREAKPOINTS, S_GAINS = S_BREAKPOINTS + 3,
        S_AT_REST = S_GAINS + 6, S_DOMINANT, S_FADING, S_HUGE, S_CALMING, S_RECOVERY, S_CALM_DAMPING,
-       S_DAMPED_FIRST, S_RANGE, S_LEAST_CALM, S_CANCELLED, S_CONSISTENT, S_EXPLAINED, S_NOISY, S_STAYS, S_AWAKE, S_PROGRESS, S_LEAST_PROGRESS, S_CHANGES, S_LASTS, S_NEAR,
-       S_JUMP, S_CREEPS, S_STILL, S_DEEP, S_COUNT };
+       S_DAMPED_FIRST, S_RANGE, S_LEAST_CALM, S_CANCELLED, S_CONSISTENT, S_EXPLAINED, S_NOISY, S_STAYS,
+       S_AWAKE, S_PROGRESS, S_LEAST_PROGRESS, S_CHANGES, S_LASTS, S_NEAR, S_JUMP, S_CREEPS, S_STILL, S_DEEP,
+       S_ROUNDED, S_COUNT };
 enum { KNOWN, CALM, TURNS_OF_MOST, WATCHED, TURN, TURN_BEFORE, TURNS, TICKS, SHAKES, RESTS, ERRORS };
 
 /* Where the windows of motion are in the memory. */
@@ -186,7 +187,8 @@ static int noisy(const double *o, const Motion *a) { return a->path_deviation > 
 
 static int to_and_fro(const double *o, const Motion *a) {
     if (a->cancelled <= o[S_CANCELLED] || noisy(o, a)) return 0;
-    return !(a->path_target - a->net_target > o[S_EXPLAINED] * (a->path_error - a->net_error));
+    double explains = o[S_EXPLAINED] * (a->path_error - a->net_error);
+    return !(a->path_target - a->net_target > explains + o[S_ROUNDED] * a->path_target);
 }
 
 static int shaking_joint(const double *o, double error, const Motion *fast, const Motion *slow) {
