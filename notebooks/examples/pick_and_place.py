@@ -51,9 +51,9 @@ plant.SetPositions(own, [*HOME, 0.04, 0.04, 1.0, 0.0, 0.0, 0.0, *FROM, 0.04])
 last = [*FROM, 0.3]
 for place, height, fingers in PLAN:
     diagram.GetInputPort("fingers").FixValue(context, [fingers, fingers, 0.0, 0.0])
-    for point in np.linspace(last, [*place, height], 20):  # straight lines
+    for point in np.linspace(last, [*place, height], 160):  # a straight line, in 1.6 s
         diagram.GetInputPort("target").FixValue(context, Value(RigidTransform(DOWN, point)))
-        simulator.AdvanceTo(context.get_time() + 0.08)
+        simulator.AdvanceTo(context.get_time() + 0.01)
     last = [*place, height]
 error = float(np.linalg.norm(plant.GetFreeBodyPose(own, brick).translation() - [*TO, 0.04]))
 print(f"{driver}: the brick lies {1e3 * error:.0f} mm from its place")
