@@ -34,7 +34,9 @@ def conjugate_gradients(S: Array, b: Array, iterations: int, damping: float = 0.
         image = _apply(S, direction)
         curvature = _dot(image, image) + damping * _dot(direction, direction)
         # A gradient of rounding errors only leaves a curvature of zero: the minimum is reached.
-        step = np.divide(size, curvature, out=np.zeros_like(size), where=curvature > TINY)
+        # The least along the direction; |gradient|² is the same until the rounding errors are alone.
+        slope = _dot(gradient, direction)
+        step = np.divide(slope, curvature, out=np.zeros_like(size), where=curvature > TINY)
         x = x + step * direction
         if k + 1 == iterations:
             break
@@ -56,7 +58,7 @@ def conjugate_gradients_of_one(S: Array, b: Array, iterations: int, damping: flo
         curvature = image.dot(image) + damping * direction.dot(direction)
         if not curvature > TINY:
             break
-        step = size / curvature
+        step = gradient.dot(direction) / curvature
         x += step * direction
         residual = residual - step * image
         gradient = residual.dot(S) - damping * x

@@ -65,3 +65,14 @@ def test_fewer_iterations_than_rows_stay_iterations():
     J, dr = (x[0] for x in poses("iiwa14", 1, 2))
     few, all_six = (fd.FuzzyMapping(iterations=k, row_floor=0.05).step(J, dr) for k in (5, 6))
     assert np.abs(few - all_six).max() > 1e-6
+
+
+def test_iterations_after_the_minimum_stay_there():
+    """More rows than joints: three iterations reach the minimum, the others see rounding errors only."""
+    rng = np.random.default_rng(0)
+    J, dr = rng.normal(size=(2000, 6, 3)), rng.normal(size=(2000, 6))
+    steps = fd.FuzzyMapping(iterations=30)(J, dr)
+    rows, columns = np.abs(J).sum(axis=2), np.abs(J).sum(axis=1)
+    S = J / np.sqrt(rows[:, :, None] * columns[:, None, :])
+    x = np.linalg.pinv(S) @ (dr / np.sqrt(rows))[..., None]
+    np.testing.assert_allclose(steps, x[..., 0] / np.sqrt(columns), rtol=0.0, atol=1e-7)
