@@ -7,7 +7,9 @@ import os
 import stat
 import tempfile
 from collections.abc import Iterable, Iterator
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, BinaryIO
 
 if TYPE_CHECKING:  # loading matplotlib takes as long as all of pydrake
@@ -115,3 +117,15 @@ def save_figure(figure: "Figure", path: str | Path, *, dpi: int = 120) -> None:
         raise ValueError(f"no picture can be written as .{kind} ({path}); there are: {known}")
     with whole_file(path) as file:
         figure.savefig(file, dpi=dpi, format=kind)
+
+
+def import_pandas() -> ModuleType:
+    """pandas, which is no dependency.
+
+    Raises:
+        ImportError: it is not installed.
+    """
+    try:
+        return import_module("pandas")
+    except ImportError as error:
+        raise ImportError("to_dataframe needs pandas: pip install pandas") from error

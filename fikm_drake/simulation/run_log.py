@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydrake.common.yaml import yaml_load_typed
 
 from fikm_drake.arrays import Array
-from fikm_drake.files import write_csv
+from fikm_drake.files import import_pandas, write_csv
 from fikm_drake.simulation.log_file import read_log, write_archive
 from fikm_drake.simulation.log_info import LogInfo
 from fikm_drake.simulation.scenario import Scenario
@@ -293,10 +293,7 @@ class RunLog:
         Raises:
             ImportError: pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError as error:
-            raise ImportError("to_dataframe needs pandas: pip install pandas") from error
+        pandas = import_pandas()
         data = {
             label: values[:, i]
             for name, values in self._series.items()

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.common.yaml import yaml_load
 
 from fikm_drake.executors import completed
-from fikm_drake.files import write_csv
+from fikm_drake.files import import_pandas, write_csv
 from fikm_drake.resources import find_model
 from fikm_drake.simulation.run_log import RunLog
 from fikm_drake.simulation.scenario import Scenario, load_scenario
@@ -122,10 +122,7 @@ class Sweep:
         Raises:
             ImportError: pandas is not installed.
         """
-        try:
-            import pandas
-        except ImportError as error:
-            raise ImportError("to_dataframe needs pandas: pip install pandas") from error
+        pandas = import_pandas()
         names = ["name", *self.option_names, *ROW_FIELDS]
         return pandas.DataFrame({name: self.column(name) for name in names})
 
