@@ -1,5 +1,8 @@
 """Settings of all tests."""
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 from hypothesis import settings
 from pydrake.math import RigidTransform
@@ -26,6 +29,23 @@ def native_kernel(tmp_path_factory):
         if problem:
             pytest.skip(f"no native kernel: {problem}")
         return Kernel(library)
+
+
+@pytest.fixture(scope="session")
+def in_threads():
+    """in_threads(work, count=3): work(i) at once, each in a thread of its own; what one raises comes out."""
+
+    def run(work, count=3):
+        together = threading.Barrier(count)
+
+        def begin(i):
+            together.wait()
+            return work(i)
+
+        with ThreadPoolExecutor(count) as pool:
+            return list(pool.map(begin, range(count)))
+
+    return run
 
 
 @pytest.fixture(scope="session")

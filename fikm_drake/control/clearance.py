@@ -20,6 +20,7 @@ from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
+from fikm_drake.kinematics.native.native_clearance import NativeAnswer, NativeClearStep
 from fikm_drake.kinematics.plant_arm import PlantArm
 
 NONE = (-1, -1)
@@ -118,6 +119,11 @@ class Clearance:
         """Default positions of all in the checker's plant that is not the arm (p,), in its order."""
         return self.near.default_others
 
+    @property
+    def native(self) -> NativeClearStep | None:
+        """The kernel's step that keeps clear; None: numpy's."""
+        return self._native
+
     def distance(self, q: Array, others: Array | None = None) -> float:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad q."""
         if not np.isfinite(q).all():
@@ -198,11 +204,7 @@ class Clearance:
     ) -> tuple[Array, ClearanceInfo]:
         """What a call does, by what is known to be near; the step (n,) is finite."""
         q, others, found, near, _, taken = around
-        after, moved = others, None
-        if others is not None and others_before is not None:
-            moved = self._moved(q, found, others, others_before)
-            if moved is not None:
-                after = others + (others - others_before)
+        after, moved = self.moving(q, found, others, others_before)
         if self._native and near is None:
             answer = self._native(
                 step,
@@ -217,8 +219,7 @@ class Clearance:
                 moved=moved,
             )
             if answer is not None:
-                pair = pair_of(found, answer.row) if answer.row >= 0 else NONE
-                return answer.step, ClearanceInfo(answer.distance, answer.blocked, pair)
+                return answer.step, info_of(answer, found)
         near = self.near.of(found, q, others) if near is None else near
         cleared = self._clear(
             step,
@@ -261,17 +262,36 @@ class Clearance:
         low, high = box.bounds(velocity)
         return self.keep(around, step, J=J, low=low, high=high, others_before=others_before)
 
-    def _moved(self, q: Array, found: RobotClearance, others: Array, before: Array) -> Array | None:
-        """What the motion of others in the last cycle changed of the distances found (k,) [m]."""
-        if not all_finite(before) or (others == before).all():
-            return None
+    def moving(
+        self, q: Array, found: RobotClearance, others: Array | None, before: Array | None
+    ) -> tuple[Array | None, Array | None]:
+        """Where others will be after this cycle (p,), and what they did to the distances in the last one.
+
+        Args:
+            q: the arm's joints (n,) [rad or m].
+            found: what the checker says there.
+            others: where others are (p,); None: where they are by default.
+            before: where they were in the last cycle (p,); None: nothing moves.
+
+        Returns:
+            The positions, and the change of each distance found (k,) [m]; None: none moves.
+        """
+        if others is None or before is None or not all_finite(before) or (others == before).all():
+            return others, None
         farthest = 2.0 * self.config.influence_distance
         was, now = _nearest(self.near.ask(q, before, farthest)), _nearest(found)
         changes = []
         for i, d in enumerate(found.distances().tolist()):
             pair = pair_of(found, i)
             changes.append(min(now[pair] - was.get(pair, farthest), d))
-        return np.maximum(changes, -self.config.influence_distance)
+        moved = np.maximum(changes, -self.config.influence_distance)
+        return others + (others - before), moved
+
+
+def info_of(answer: NativeAnswer, found: RobotClearance) -> ClearanceInfo:
+    """What the kernel says that obstacles did, by what the checker found."""
+    pair = pair_of(found, answer.row) if answer.row >= 0 else NONE
+    return ClearanceInfo(answer.distance, answer.blocked, pair)
 
 
 def _nearest(found: RobotClearance) -> dict[tuple[int, int], float]:

@@ -5,18 +5,40 @@ from typing import Any
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
+from fikm_drake.control.clear_step import LOOKS
+from fikm_drake.control.clearance import ClearanceInfo, info_of
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
-from fikm_drake.kinematics.native.kernel import Kernel, address, kernel, writable_address
+from fikm_drake.control.restart_search import RestartState
+from fikm_drake.kinematics.native.kernel import (
+    MOST_JOINTS,
+    Kernel,
+    address,
+    kernel,
+    writable_address,
+)
+from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK
 from fikm_drake.kinematics.task_kinematics import PlantTask
+
+MOST_ROWS = 6
+PARTS = {
+    "numbers": 4,
+    "error": MOST_ROWS,
+    "filtered_error": MOST_ROWS,
+    **dict.fromkeys(("asked", "step", "after"), MOST_JOINTS),
+    "J": MOST_ROWS * MOST_JOINTS,
+    **dict.fromkeys(("low", "high"), MOST_JOINTS),
+}
+"""`Cycle` of native/cycle.h: its parts and how many doubles they are."""
 
 
 class NativeCycle(threading.local):
     """`ControlCycle.tick` and `advance` as one call, for the configurations that `native_cycle` takes.
 
-    It leaves to them each cycle in which an input is not finite, a step is too long, a limit takes a part
-    of it away, or the law's equations are nearly singular. The buffers are one set for each thread.
+    It leaves to them each cycle in which an input is not finite, the law's equations are nearly singular,
+    or, where no obstacle is near, a limit takes a part of the step away. A restart search
+    that finds nothing to do costs what its watch does. The buffers are one set for each thread.
 
     Args:
         loaded: the kernel.
@@ -36,22 +58,37 @@ class NativeCycle(threading.local):
         m, n = task.size, task.arm.num_joints
         self._m, self._n = m, n
         state = cycle.start(task.arm.default_position)
+        self._restart = cycle.restart
+        self._search = search_place(state)
+        self._others = slice(self._search.stop, None)
+        self._among = None
+        if cycle.clearance and cycle.clearance.native:
+            self._among = cycle.clearance, cycle.clearance.native
         self._command, self._velocity, self._memory = np.zeros(n), np.zeros(n), packed(state)
         self._target = np.zeros((3, 4) if task.port == "desired_pose" else m)
-        self._q, self._out = np.zeros(n), np.zeros(3 + 2 * m + 2 * n)
+        self._q, self._way = np.zeros(n), np.zeros(n)
         self._numbers = task.target_numbers
-        self._run = loaded.cycle
-        self._at_options, self._at_target = address(options), address(self._target)
-        self._at_q = address(self._q) if cycle.config.measured_position else None
-        own = self._command, self._velocity, self._memory, self._out
-        self._at = tuple(map(address, own))
+        self._run, self._ask, self._go = loaded.cycle, loaded.ask_clear, loaded.cycle_clear
+        self._computed = np.zeros(sum(PARTS.values()))
+        inputs = options, self._target, self._q, self._way, self._computed
+        self._at_options, self._at_target, self._at_q, self._at_way, self._at_computed = map(
+            address, inputs
+        )
+        own = self._command, self._velocity, self._memory
+        self._at_own = address(own[0]), address(own[1]), address(own[2])
 
     def __reduce__(self) -> tuple:
         """Pickled as what it was made of: addresses hold in one process only."""
         return native_cycle, (self._cycle,)
 
     def advance(
-        self, command: Array, velocity: Array, memory: Array, target: Any, q: Array
+        self,
+        command: Array,
+        velocity: Array,
+        memory: Array,
+        target: Any,
+        q: Array,
+        others: Array | None = None,
     ) -> bool:
         """A tick, written into the state.
 
@@ -61,43 +98,73 @@ class NativeCycle(threading.local):
             memory: the rest of the state, see `packed`.
             target: as the task takes it.
             q: joint positions (n,): the command, or measured [rad or m].
+            others: where obstacles are (p,), as of `Clearance`; None: where they are by default.
 
         Returns:
             False if this cycle is not one of the ordinary; then nothing is changed.
         """
-        self._target[:] = self._numbers(target)
-        if self._at_q:
-            self._q[:] = q
-        return bool(
-            self._run(
-                self._at_options,
-                writable_address(command),
-                writable_address(velocity),
-                writable_address(memory),
-                self._at_target,
-                self._at_q,
-                None,
-            )
+        state = writable_address(command), writable_address(velocity), writable_address(memory)
+        done, _ = self._do(state, memory, target, q, others, False)
+        if done == 2 and self._restart:
+            size = float(self._computed[0])
+            self._restart.remember(memory[self._search], target, self._q.copy(), size, others)
+        if done and others is not None:
+            memory[self._others] = others
+        return done != 0
+
+    def tick(
+        self, command: Array, memory: Array, target: Any, q: Array, others: Array | None = None
+    ) -> Tick | None:
+        """A tick; nothing is changed. The arguments are those of `advance`; None for False."""
+        self._command[:], self._memory[:] = command, memory
+        done, cleared = self._do(self._at_own, memory, target, q, others, True)
+        if not done:
+            return None
+        parts = np.split(self._computed.copy(), np.cumsum([*PARTS.values()])[:-1])
+        part = dict(zip(PARTS, parts))
+        size, gain, filtered, limited = part["numbers"].tolist()
+        asked, step, after = (part[name][: self._n] for name in ("asked", "step", "after"))
+        return Tick(
+            *(True, part["error"][: self._m], size, gain, filtered),
+            *(part["filtered_error"][: self._m], step, after, asked),
+            limited=bool(limited),
+            cleared=cleared,
         )
 
-    def tick(self, command: Array, memory: Array, target: Any, q: Array) -> Tick | None:
-        """A tick; nothing is changed. The arguments are those of `advance`; None for False."""
-        self._target[:] = self._numbers(target)
-        self._command[:], self._memory[:] = command, memory
-        if self._at_q:
-            self._q[:] = q
-        at_command, at_velocity, at_memory, at_out = self._at
-        state = at_command, at_velocity, at_memory
-        if not self._run(self._at_options, *state, self._at_target, self._at_q, at_out):
-            return None
-        size, gain, filtered = self._out[:3].tolist()
-        m, n = self._m, self._n
-        ends = np.cumsum([3, m, m, n]).tolist()
-        error, filtered_error, step, after = np.split(self._out.copy(), ends)[1:]
-        return Tick(
-            *(True, error, size, gain, filtered, filtered_error),
-            *(step, after, step, False, UNTOUCHED),
-        )
+    def _do(
+        self,
+        state: tuple[int, int, int],
+        memory: Array,
+        target: Any,
+        q: Array,
+        others: Array | None,
+        peek: bool,
+    ) -> tuple[int, ClearanceInfo]:
+        """What the kernel answers, of a state at these addresses, and what obstacles did."""
+        self._target[:], self._q[:] = self._numbers(target), q
+        at_way = None
+        if self._restart and memory[self._search.start] == RestartState.UNDERWAY:
+            self._way[:] = self._restart.step(memory[self._search], self._q, self._way)
+            at_way = self._at_way
+        inputs = *state, self._at_target, self._at_q
+        if self._among is None:
+            done = self._run(self._at_options, *inputs, at_way, peek, self._at_computed)
+            return done, UNTOUCHED
+        (clearance, clear), q = self._among, self._q
+        if not all_finite(q) or (others is not None and not all_finite(others)):
+            return 0, UNTOUCHED
+        near = clearance.near
+        found = near.ask(q, others)
+        after, moved = clearance.moving(q, found, others, memory[self._others])
+        if not clear.read(found, near.padded, moved):
+            return 0, UNTOUCHED
+        answer = self._ask(self._at_options, *inputs, at_way, clear.at, self._at_computed)
+        if answer == WANT_LOOK:
+            answer = clear.look(lambda step: near.ask(q + step, after), LOOKS)
+        if answer != CLEARED:
+            return 0, UNTOUCHED
+        done = self._go(self._at_options, *inputs, clear.at, peek, self._at_computed)
+        return done, info_of(clear.answer(), found) if peek else UNTOUCHED
 
 
 def packed(state: CycleState) -> Array:
@@ -105,26 +172,31 @@ def packed(state: CycleState) -> Array:
     return np.concatenate(state[2:])
 
 
-def native_cycle(cycle: ControlCycle, *, free: bool = False) -> NativeCycle | None:
+def search_place(state: CycleState) -> slice:
+    """Where the memory of a restart search is in `packed`; empty without one."""
+    start = len(state.gain) + len(state.error) + len(state.supervision)
+    return slice(start, start + len(state.restart))
+
+
+def native_cycle(cycle: ControlCycle) -> NativeCycle | None:
     """The kernel's cycle for an ordinary configuration, or None: `ControlCycle` does it.
 
     Ordinary are tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without limits of acceleration, obstacles, secondary
-    motion and search for another posture.
-
-    Args:
-        cycle: the cycle.
-        free: obstacles are the caller's: they must take nothing away of the step.
+    iteration or with as many as there are rows, without limits of acceleration and secondary motion.
     """
     loaded, task, law, config = kernel(), cycle.task, cycle.law, cycle.config
     if not (loaded and isinstance(task, PlantTask) and cycle.supervision.native):
         return None
-    if cycle.restart or (cycle.clearance and (not free or cycle.num_others)):
+    if cycle.clearance and cycle.clearance.native is None:
         return None
     options = step_options(task, law, cycle.safe_step, cycle.limits)
     if options is None:
         return None
     numbers = [config.error_limit, config.gain_smoothing, config.error_smoothing]
     numbers += [1.0 / config.period, config.measured_position, cycle.damped]
-    whole = np.concatenate([options, np.array(numbers, dtype=float), cycle.supervision.options])
-    return NativeCycle(loaded, cycle, task, whole)
+    search = [0.0] * 5
+    if cycle.restart:
+        start = cycle.start(task.arm.default_position)
+        search = [search_place(start).start, *cycle.restart.watching]
+    parts = options, np.array(numbers, dtype=float), cycle.supervision.options, np.array(search)
+    return NativeCycle(loaded, cycle, task, np.concatenate(parts))

@@ -77,7 +77,8 @@ def step_options(
     step: list[float] = [
         task.size,
         n,
-        safe_step.longest * SURE,
+        safe_step.longest,
+        SURE,
         safe_step.dead,
         safe_step.side_step,
     ]

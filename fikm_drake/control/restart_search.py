@@ -138,6 +138,11 @@ class RestartSearch:
         """What the restart search does."""
         return RestartState(int(memory[0]))
 
+    @property
+    def watching(self) -> tuple[float, ...]:
+        """What the native kernel takes to watch the law as `remember` does."""
+        return self._tolerance, AT_REST, APPROACH, PATIENCE
+
     def step(self, memory: Array, q: Array, joint_step: Array) -> Array:
         """The joint step (n,): on the way that to the posture, else the law's `joint_step`."""
         if memory[0] != RestartState.UNDERWAY:

@@ -96,7 +96,6 @@ class FusedFuzzyIk(LeafSystem):
             self._others = self.DeclareVectorInputPort("obstacle_position", count)
         start = self._cycle.start(task.arm.default_position)
         self._native = native_cycle(self._cycle)
-        self._free = native_cycle(self._cycle, free=True) if self._cycle.clearance else None
         ends = np.cumsum([0, *(len(part) for part in start[2:])]).tolist()
         self._parts = [slice(first, end) for first, end in zip(ends, ends[1:])]
         groups = [
@@ -171,7 +170,7 @@ class FusedFuzzyIk(LeafSystem):
         target, q, others = self._inputs(context, state.command)
         motion = _value(self._motion, context)
         if self._native and motion is None:
-            tick = self._native.tick(state.command, parts[2], target, q)
+            tick = self._native.tick(state.command, parts[2], target, q, others)
             if tick:
                 return state, tick
         tick = self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
@@ -243,34 +242,11 @@ class FusedFuzzyIk(LeafSystem):
             # A view: the last commands.
             self._jerk_limit.remember(get(self._window).reshape(-1, len(command)), command)
         if self._native and motion is None:
-            if self._native.advance(command, velocity, memory, target, q):
+            if self._native.advance(command, velocity, memory, target, q, others):
                 return
-        if (
-            self._free
-            and motion is None
-            and self._advance_free(command, velocity, memory, target, q)
-        ):
-            return
         state = self._state(command, velocity, memory)
         tick = self._cycle.tick(state, target, q, others=others, null_space_motion=motion)
         self._cycle.advance(state, target, q, tick, others)
-
-    def _advance_free(
-        self, command: Array, velocity: Array, memory: Array, target: Any, q: Array
-    ) -> bool:
-        """An ordinary cycle of which obstacles take nothing; False: nothing is changed."""
-        clearance = self._cycle.clearance
-        if clearance is None or self._free is None:
-            return False
-        around = clearance.around(q.copy())
-        before = command.copy(), velocity.copy(), memory.copy()
-        if around is None or not self._free.advance(command, velocity, memory, target, q):
-            return False
-        step = command - before[0]
-        if np.array_equal(clearance.keep(around, step)[0], step):
-            return True
-        command[:], velocity[:], memory[:] = before
-        return False
 
 
 def _value(port: InputPort | None, context: Context) -> Array | None:

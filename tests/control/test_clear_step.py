@@ -1,7 +1,6 @@
 """The step that keeps clear by the native kernel equals that of numpy."""
 
 import ctypes
-import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -137,7 +136,7 @@ def test_what_the_kernel_cannot_take_is_left_to_numpy(native_kernel):
     assert ask(3, 3, distance=-1e-3, padded=True) == (-1, None)  # rows that Drake may have turned
 
 
-def test_threads_do_not_share_buffers(native_kernel):
+def test_threads_do_not_share_buffers(native_kernel, in_threads):
     rng = np.random.default_rng(4)
     clear = ClearStep(ClearanceConfig(), 0.01, RATES, np.ones(7))
     native = clear.native(np.arange(7), 7, native_kernel)
@@ -147,18 +146,12 @@ def test_threads_do_not_share_buffers(native_kernel):
         for _ in range(3)
     ]
     free = Found(np.zeros(0), np.zeros((0, 7)))
-    wrong = []
 
     def run(i):
         step, found = cases[i]
         first = native(step, found, lambda _: free, LOOKS, **rest).step
         for _ in range(300):
-            if not np.array_equal(native(step, found, lambda _: free, LOOKS, **rest).step, first):
-                wrong.append(i)
+            again = native(step, found, lambda _: free, LOOKS, **rest).step
+            np.testing.assert_array_equal(again, first)
 
-    threads = [threading.Thread(target=run, args=(i,)) for i in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not wrong
+    in_threads(run)

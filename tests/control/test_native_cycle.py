@@ -1,14 +1,22 @@
 """The native kernel's cycle equals Python's tick, and leaves it what is out of the ordinary."""
 
-import threading
 from collections import Counter
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 from pydrake.math import RigidTransform
 
 import fikm_drake as fd
-from fikm_drake.control.native_cycle import NativeCycle, native_cycle, packed
+from fikm_drake.control.native_cycle import (
+    PARTS,
+    NativeCycle,
+    native_cycle,
+    packed,
+    search_place,
+)
+from fikm_drake.control.restart_search import RestartState
+from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.fuzz.native_fuzz import native_case
 from fikm_drake.kinematics.native import kernel as loading
 from fikm_drake.kinematics.native.kernel import numpy_only
@@ -26,8 +34,8 @@ def counted(monkeypatch):
     """Counts cycles that the kernel did, those that it left, and calmed ones among the former."""
     counts, advance = Counter(), NativeCycle.advance
 
-    def count(self, command, velocity, memory, target, q):
-        done = advance(self, command, velocity, memory, target, q)
+    def count(self, command, velocity, memory, *inputs):
+        done = advance(self, command, velocity, memory, *inputs)
         counts["done" if done else "left"] += 1
         counts["calmed"] += done and memory[1 + self._m + 1] < 1.0
         return done
@@ -103,7 +111,6 @@ def test_a_long_run_equals_numpys(arm, task, law, target, counted):
     "options",
     [
         {"posture_rate": 0.5},
-        {"restart_search": True},
         {"acceleration_limits": [3.0]},
         {"law": fd.FuzzyMapping(iterations=2)},
         {"law": fd.DampedLeastSquares()},
@@ -112,6 +119,10 @@ def test_a_long_run_equals_numpys(arm, task, law, target, counted):
 def test_other_configurations_are_pythons(options):
     assert native_cycle(make_cycle("arm7")) is not None
     assert native_cycle(make_cycle("arm7", **options)) is None
+
+
+def test_the_numbers_are_those_of_the_kernel(native_kernel):
+    assert native_kernel.cycle_size() == sum(PARTS.values())
 
 
 def test_without_a_kernel_there_is_none():
@@ -134,23 +145,102 @@ def test_a_bad_input_is_left_and_nothing_is_written(bad):
             np.testing.assert_array_equal(part, old)
 
 
-def test_threads_do_not_share_buffers():
+def run_beside(plain, native, state, target, cycles, others=lambda k: None):
+    """Cycles of Python from `state`, each beside the kernel's; what the searches did in the latter's."""
+    found, place = Counter(), search_place(state).start
+    for k in range(cycles):
+        own = [state.command.copy(), state.velocity.copy(), packed(state)]
+        before = RestartState(int(own[2][place])) if plain.restart else None
+        at = others(k)
+        seen = native.tick(own[0], own[2], target, own[0].copy(), at)
+        done = native.advance(*own, target, state.command, at)
+        with numpy_only():
+            tick = plain.tick(state, target, state.command, others=at)
+            status = plain.status(state, tick)
+            assert seen is None or plain.status(state, seen) == status
+            plain.advance(state, target, state.command, tick, at)
+        assert done == (seen is not None)
+        if not done:
+            continue
+        for mine, other in zip(own, (state.command, state.velocity, packed(state))):
+            np.testing.assert_allclose(mine, other, rtol=1e-9, atol=1e-12, err_msg=f"cycle {k}")
+        assert seen.cleared.pair == tick.cleared.pair
+        found["done"] += 1
+        found[before] += 1
+        found["pushed"] += seen.cleared.pair[0] >= 0
+    return found
+
+
+def scene_cycles(arm, kind, task, **options):
+    """A scene of the benchmark: the cycle by numpy, the kernel's, the state before, the target."""
+    (scene,) = obstacle_scenes(arm, kind, task, 1, 0)
+    law = POSE_LAW if task == "pose" else fd.FuzzyMapping(iterations=3)
+    options = {"law": law, "control_rate": 100.0, **options}
+    kinds = {"position": fd.PositionTask, "pose": fd.PoseTask}
+    chosen = kinds[task](fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm(arm))))
+    config, checker = fd.FuzzyIkConfig(task=task, **options), scene.checker()
+    cycles = []
+    for without in (numpy_only, nullcontext):  # the same task: its own test compares it with Drake
+        with without():
+            cycles.append(fd.ControlCycle(chosen, config, collision_checker=checker))
+    target = RigidTransform(scene.target) if task == "pose" else scene.target[:3, 3]
+    return cycles[0], native_cycle(cycles[1]), cycles[0].start(scene.start), target
+
+
+@pytest.mark.parametrize(
+    ("arm", "kind", "task"),
+    [
+        ("panda", "boxes", "position"),
+        ("panda", "spheres", "position"),
+        ("ur5", "boxes", "pose"),
+        ("iiwa14", "shelf", "pose"),
+    ],
+)
+@pytest.mark.parametrize("search", [False, True])
+def test_among_obstacles_it_equals_numpys(arm, kind, task, search):
+    plain, native, state, target = scene_cycles(arm, kind, task, restart_search=search)
+    found = run_beside(plain, native, state, target, 250)
+    assert found["done"] > 150
+    if arm == "panda":
+        assert found["pushed"] > 50
+    if arm == "panda" and search:
+        assert found[RestartState.SEARCHING] > 5 and found[RestartState.UNDERWAY] > 5
+
+
+def test_obstacles_that_move_are_told():
+    plain, native, state, target = scene_cycles("iiwa14", "second arm", "position")
+    default = plain.clearance.default_others
+    found = run_beside(
+        plain, native, state, target, 100, lambda k: default + 0.1 * np.sin(0.05 * k)
+    )
+    assert found["done"] > 50
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_a_search_in_a_free_world_equals_pythons(measured):
+    """The stretched arm: watched, searched, driven; measured joints are those of the last cycle."""
+    options = {"restart_search": True, "measured_position": measured, "singularity_nudge": 0.0}
+    cycle = make_cycle("planar2", **options)
+    with numpy_only():
+        plain = fd.ControlCycle(cycle.task, cycle.config)
+    state, target = plain.start(np.zeros(2)), np.array([1.0, 0.0, 0.0])
+    found = run_beside(plain, native_cycle(cycle), state, target, 150)
+    assert all(found[s] > 5 for s in (RestartState.NONE, RestartState.UNDERWAY)), found
+    assert found[RestartState.SEARCHING]
+    assert np.linalg.norm(plain.task.error(target, state.command)) < 1e-3
+
+
+def test_threads_do_not_share_buffers(in_threads):
     cycle = make_cycle("arm7")
-    native, wrong = native_cycle(cycle), []
+    native = native_cycle(cycle)
 
     def run(seed):
         start = np.random.default_rng(seed).uniform(-0.5, 0.5, 7)
         target, state = np.array([0.5, 0.1 * seed, 0.4]), cycle.start(start)
-        memory, first = packed(state), None
+        memory = packed(state)
+        first = native.tick(state.command, memory, target, state.command)
         for _ in range(300):
             tick = native.tick(state.command, memory, target, state.command)
-            first = tick.command if first is None else first
-            if not np.array_equal(tick.command, first):
-                wrong.append(seed)
+            np.testing.assert_array_equal(tick.command, first.command)
 
-    threads = [threading.Thread(target=run, args=(seed,)) for seed in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not wrong
+    in_threads(run)

@@ -1,7 +1,5 @@
 """What the controller does with an arm, as a Diagram and as one block."""
 
-import threading
-
 import numpy as np
 import pytest
 from pydrake.geometry import Box
@@ -188,19 +186,11 @@ def test_a_reset_run_repeats_itself(plant, fused):
         np.testing.assert_array_equal(a, c)
 
 
-def test_simulators_in_threads_give_the_serial_result(plant, fused):
+def test_simulators_in_threads_give_the_serial_result(plant, fused, in_threads):
     """One plant, one Diagram a thread: what a sweep does."""
     expected = tracking_simulator(plant, fused)[1]()
-    runs, results = [tracking_simulator(plant, fused)[1] for _ in range(3)], [None] * 3
-
-    def work(i):
-        results[i] = runs[i]()
-
-    threads = [threading.Thread(target=work, args=(i,)) for i in range(3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    runs = [tracking_simulator(plant, fused)[1] for _ in range(3)]
+    results = in_threads(lambda i: runs[i]())
     for result in results:
         for a, b in zip(expected, result):
             np.testing.assert_array_equal(a, b)

@@ -2,7 +2,6 @@
 
 import copy
 import itertools
-import threading
 
 import numpy as np
 import pytest
@@ -313,26 +312,19 @@ def test_evaluation_leaves_the_state_and_its_order_alone(name, block, drive):
         np.testing.assert_array_equal(a, b)
 
 
-def test_threads_give_the_serial_results(name, block, drive, equal):
+def test_threads_give_the_serial_results(name, block, drive, equal, in_threads):
     rng = np.random.default_rng(2)
     inputs = [random_inputs(name, rng, 60) for _ in range(4)]
     serial = [
         [driver.cycle(**i) for i in each]
         for driver, each in zip([drive(block) for _ in inputs], inputs)
     ]
-    drivers, results = [drive(block) for _ in inputs], [[] for _ in inputs]
-    together = threading.Barrier(len(inputs))
+    drivers = [drive(block) for _ in inputs]
 
-    def work(driver, each, out):
-        together.wait()
-        for i in each:
-            out.append(driver.cycle(**i))
+    def work(k):
+        return [drivers[k].cycle(**i) for i in inputs[k]]
 
-    threads = [threading.Thread(target=work, args=args) for args in zip(drivers, inputs, results)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    results = in_threads(work, len(inputs))
     for a, b in zip(serial, results):
         equal(a, b)
 

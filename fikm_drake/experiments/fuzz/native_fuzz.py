@@ -100,6 +100,6 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
         law=law,
         task=str(rng.choice(TASKS)),
         acceleration_limits=[],
-        restart_search=False,
+        restart_search=bool(rng.random() < 0.5),
         posture_rate=0.0,
     )

@@ -18,7 +18,16 @@ FOLDER = Path(__file__).parent
 LIBRARY = FOLDER / "_kernel.so"
 """Beside its sources, in a checkout too; git ignores it."""
 SOURCES = (
-    *("lanes.h", "curve.h", "base.h", "clearance.h", "supervision.h", "cycle.h"),
+    *(
+        "lanes.h",
+        "curve.h",
+        "base.h",
+        "clearance.h",
+        "supervision.h",
+        "task.h",
+        "restart.h",
+        "cycle.h",
+    ),
     "kernel.c",
 )
 FLAGS = [

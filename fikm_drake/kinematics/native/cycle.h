@@ -1,46 +1,12 @@
 /* A control cycle as `control/cycle.py` tells it, as long as nothing out of the ordinary happens in it.
  *
- * What is out of the ordinary (an input that is not finite, a step that is too long or that a limit takes a
- * part of, equations that are nearly singular) is left to Python: then nothing has been written.
+ * What is out of the ordinary (an input that is not finite, a step that a limit takes a part of, equations
+ * that are nearly singular) is left to Python: then nothing has been written.
  */
-enum { T_TURNS, T_LENGTH, T_ROWS, T_ROW, T_COUNT = T_ROW + 6 };
-enum { C_ROWS, C_JOINTS, C_LONGEST, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_ROW_FLOOR,
+enum { C_ROWS, C_JOINTS, C_LONGEST, C_SURE, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_ROW_FLOOR,
        C_COLUMN_FLOOR, C_ZERO, C_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
-/* Then eight vectors of `Limits`, the chain, and for a whole cycle these, then the supervisor's. */
+/* Then eight vectors of `Limits`, the chain, and for a whole cycle these, the supervisor's, the search's. */
 enum { K_ERROR_LIMIT, K_GAIN_SMOOTHING, K_ERROR_SMOOTHING, K_RATE, K_MEASURED, K_DAMPED, K_COUNT };
-#define LARGEST 1e100
-
-/* Error (m) and Jacobian (m,n), either may be NULL, of a task's rows: turns (times length), then offsets.
- * target: a pose, 3 rows of 4, or the rows' coordinates. What is not finite gives NaN. */
-void fikm_task(const double *chain, int n, const double *t, const double *target, const double *q,
-               double *error, double *J) {
-    const int turns = t[T_TURNS] != 0.0, m = (int)t[T_ROWS];
-    int bad = !(square_of(q, n) < LARGEST * LARGEST);
-    vec lanes[MAX_JOINTS], columns[MAX_JOINTS][6], goal[12], e[6], distance, angle;
-    Frames f;
-    for (int j = 0; j < n; j++) lanes[j] = fill(q[j]);
-    if (!bad) frames_of(chain, n, lanes, &f);
-    if (error) {
-        double far = 0.0;
-        for (int i = 0; i < 12; i++) goal[i] = fill(0.0);
-        for (int k = 0; turns && k < 3; k++) {
-            for (int i = 0; i < 4; i++) {
-                goal[3 * i + k] = fill(target[4 * k + i]);
-                if (!isfinite(target[4 * k + i])) bad = 1;
-            }
-            far += target[4 * k + 3] * target[4 * k + 3];
-        }
-        if (!(far < LARGEST * LARGEST)) bad = 1;
-        for (int i = 0; !turns && i < m; i++) goal[6 + (int)t[T_ROW + i]] = fill(target[i]);
-        if (!bad && turns) error_of(&f, goal, 1, t[T_LENGTH], e, &distance, &angle);
-        else if (!bad) error_of(&f, goal, 0, 1.0, e + 3, &distance, &angle);
-        for (int i = 0; i < m; i++) error[i] = bad ? NAN : e[(int)t[T_ROW + i]][0];
-    }
-    if (!J) return;
-    if (!bad) jacobian_of(chain, n, &f, turns ? t[T_LENGTH] : 1.0, columns);
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j < n; j++) J[i * n + j] = bad ? NAN : columns[j][(int)t[T_ROW + i]][0];
-}
 
 /* The joints' limits and what is worked out of them, (n) each, then the chain. */
 typedef struct {
@@ -55,6 +21,11 @@ static Limits limits_of(const double *o, int n) {
 static int law(const double *o, int m, int n, const double *J, const double *d, double extra, double *step) {
     return fikm_step(m, n, J, d, o[C_ROW_FLOOR], o[C_COLUMN_FLOOR], o[C_ZERO], o[C_DAMPING], extra,
                      o[C_GROWTH], step);
+}
+
+static void shorten_to(double *step, int n, double longest) {
+    double size = sqrt(square_of(step, n));
+    for (int j = 0; j < n && size > longest; j++) step[j] *= longest / size;
 }
 
 /* `SafeStep`: the law's step, near limits with weights, at a dead point aside. 0: left to Python. */
@@ -77,8 +48,9 @@ static int safe_step(const double *o, const Limits *l, int m, int n, const doubl
         for (int j = 0; j < n; j++) step[j] *= weights[j];
     }
     double size = sqrt(square_of(step, n)), error = sqrt(square_of(d, m)), most = 0.0, reach[MAX_JOINTS];
-    if (!(size <= o[C_LONGEST])) return 0;
-    if (o[C_DEAD] == 0.0 || !(size < o[C_DEAD] * error)) return 1;
+    if (!(size < LARGEST)) return 0;
+    shorten_to(step, n, o[C_LONGEST]);
+    if (size > o[C_LONGEST] || o[C_DEAD] == 0.0 || !(size < o[C_DEAD] * error)) return 1;
     for (int j = 0; j < n; j++) {
         reach[j] = 0.0;
         for (int i = 0; i < m; i++) reach[j] = fmax(reach[j], fabs(J[i * n + j]));
@@ -86,80 +58,133 @@ static int safe_step(const double *o, const Limits *l, int m, int n, const doubl
     }
     for (int j = 0; j < n; j++)
         if (reach[j] > o[C_UNMOVED] * most) step[j] += o[C_SIDE_STEP] * error * (j % 2 ? -1.0 : 1.0);
+    shorten_to(step, n, o[C_LONGEST]);
     return 1;
 }
 
-/* The same inside all limits, and the command after it. 0: left to Python. */
-static int step_inside(const double *o, const Limits *l, const double *command, const double *q,
-                       const double *J, const double *d, double extra, double *step, double *after) {
-    const int m = (int)o[C_ROWS], n = (int)o[C_JOINTS];
-    if (!safe_step(o, l, m, n, q, J, d, extra, step)) return 0;
-    double square = square_of(step, n);
-    if (!(square < LARGEST * LARGEST && sqrt(square) <= o[C_LONGEST])) return 0;
+/* The steps that limits allow in this cycle: `JointLimits.steady_bounds`. */
+static void bounds_of(const Limits *l, int n, const double *command, double *low, double *high) {
     for (int j = 0; j < n; j++) {
-        double low = fmax(fmin(l->lower[j] - command[j], 0.0), -l->fastest[j]);
-        double high = fmin(fmax(l->upper[j] - command[j], 0.0), l->fastest[j]);
-        if (!(low <= step[j] && step[j] <= high)) return 0;
-        after[j] = fmax(fmin(l->lower[j], command[j]), command[j] + step[j]);
-        after[j] = fmin(fmax(l->upper[j], command[j]), after[j]);
+        low[j] = fmax(fmin(l->lower[j] - command[j], 0.0), -l->fastest[j]);
+        high[j] = fmin(fmax(l->upper[j] - command[j], 0.0), l->fastest[j]);
     }
-    return 1;
+}
+
+static int inside(const double *step, const double *low, const double *high, int n) {
+    int in = 1;
+    for (int j = 0; j < n; j++) in &= low[j] <= step[j] && step[j] <= high[j];
+    return in;
 }
 
 /* The joint step (n) of a filtered error (m). 0: left to Python. */
 int fikm_step_at(const double *o, const double *command, const double *q, const double *d, double extra,
                  double *step) {
-    const Limits l = limits_of(o, (int)o[C_JOINTS]);
-    double J[6 * MAX_JOINTS], after[MAX_JOINTS];
-    fikm_task(l.chain, (int)o[C_JOINTS], o + C_TASK, NULL, q, NULL, J);
-    return step_inside(o, &l, command, q, J, d, extra, step, after);
-}
-
-/* Numbers of a target by which `remember_motion` tells how far it moves. */
-static void coordinates_of(const double *t, int count, const double *target, double *x) {
-    if (t[T_TURNS] == 0.0) { memcpy(x, target, sizeof(double) * (size_t)count); return; }
-    const int columns = count / 3;
-    for (int k = 0; k < 3; k++) for (int i = 0; i < columns; i++)
-        x[k * columns + i] = target[4 * k + i] * (i < 3 ? t[T_LENGTH] / 1.41421356237309504880 : 1.0);
-}
-
-/* One cycle: command (n), velocity (n) and memory (filtered gain, filtered error (m), supervision) after
- * it, or with `out` what it computes and nothing is written: |e|, gain, filtered gain, e (m), filtered
- * error (m), joint step (n), command (n). q: measured joints (n) or NULL. 0: left to Python. */
-int fikm_cycle(const double *o, double *command, double *velocity, double *memory, const double *target,
-               const double *q, double *out) {
     const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
     const Limits l = limits_of(o, n);
-    const double *t = o + C_TASK, *k = l.chain + 24 + JOINT * n, *s = k + K_COUNT;
-    double error[6], J[6 * MAX_JOINTS], d[6], step[MAX_JOINTS], after[MAX_JOINTS];
-    double *supervision = memory + 1 + m;
-    if (!q) q = command;
-    fikm_task(l.chain, n, t, target, q, error, J);
-    double size = square_of(error, m);
-    if (!(size < LARGEST * LARGEST)) return 0;
-    size = sqrt(size);
-    double gain = fikm_gain(supervision, s, size), keep = k[K_GAIN_SMOOTHING];
-    double filtered = keep * memory[0] + (1.0 - keep) * gain;
-    double scale = size > k[K_ERROR_LIMIT] ? filtered * k[K_ERROR_LIMIT] / size : filtered;
+    double J[6 * MAX_JOINTS], low[MAX_JOINTS], high[MAX_JOINTS];
+    fikm_task(l.chain, n, o + C_TASK, NULL, q, NULL, J);
+    bounds_of(&l, n, command, low, high);
+    return safe_step(o, &l, m, n, q, J, d, extra, step) && inside(step, low, high, n);
+}
+
+/* What a cycle computes, as native_cycle.py reads it: all of doubles. `limited`: of the law's step. */
+typedef struct {
+    double size, gain, filtered, limited, error[6], filtered_error[6], asked[MAX_JOINTS], step[MAX_JOINTS];
+    double after[MAX_JOINTS], J[6 * MAX_JOINTS], low[MAX_JOINTS], high[MAX_JOINTS];
+} Cycle;
+
+int64_t fikm_cycle_size(void) { return sizeof(Cycle) / sizeof(double); }
+
+/* The error, the gain and the joint step, which is that of `way` (n) where a restart search drives. Limits
+ * may take a part of the law's away only if obstacles are near. 0: left to Python. */
+static int ask(const double *o, const Limits *l, const double *command, const double *memory,
+               const double *target, const double *q, const double *way, int near, Cycle *c) {
+    const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
+    const double *k = l->chain + 24 + JOINT * n, *s = k + K_COUNT, *supervision = memory + 1 + m;
+    double keep = k[K_GAIN_SMOOTHING];
+    fikm_task(l->chain, n, o + C_TASK, target, q, c->error, c->J);
+    c->size = square_of(c->error, m);
+    if (!(c->size < LARGEST * LARGEST)) return 0;
+    c->size = sqrt(c->size);
+    c->gain = fikm_gain(supervision, s, c->size);
+    c->filtered = keep * memory[0] + (1.0 - keep) * c->gain;
+    double scale = c->size > k[K_ERROR_LIMIT] ? c->filtered * k[K_ERROR_LIMIT] / c->size : c->filtered;
     keep = k[K_ERROR_SMOOTHING];
-    for (int i = 0; i < m; i++) d[i] = keep * memory[1 + i] + (1.0 - keep) * (scale * error[i]);
+    for (int i = 0; i < m; i++)
+        c->filtered_error[i] = keep * memory[1 + i] + (1.0 - keep) * (scale * c->error[i]);
     double extra = k[K_DAMPED] != 0.0 ? damping_of(supervision, s) : 0.0;
-    if (!step_inside(o, &l, command, q, J, d, extra, step, after)) return 0;
-    if (out) {
-        out[0] = size, out[1] = gain, out[2] = filtered, out += 3;
-        for (int i = 0; i < m; i++) out[i] = error[i], out[m + i] = d[i];
-        for (int j = 0; j < n; j++) out[2 * m + j] = step[j], out[2 * m + n + j] = after[j];
-        return 1;
+    bounds_of(l, n, command, c->low, c->high);
+    if (!safe_step(o, l, m, n, q, c->J, c->filtered_error, extra, c->asked)) return 0;
+    c->limited = !inside(c->asked, c->low, c->high, n);
+    if (way) memcpy(c->asked, way, sizeof(double) * (size_t)n);
+    return near || way || c->limited == 0.0;
+}
+
+/* `Guard`, as far as the step is not too long, and the command after it. 0: left to Python. */
+static int guard(const double *o, const Limits *l, const double *command, Cycle *c) {
+    const int n = (int)o[C_JOINTS];
+    double square = square_of(c->asked, n);
+    if (!(square < LARGEST * LARGEST)) return 0;
+    for (int j = 0; j < n; j++) {
+        c->step[j] = fmin(fmax(c->asked[j], c->low[j]), c->high[j]);
+        c->after[j] = fmax(fmin(l->lower[j], command[j]), command[j] + c->step[j]);
+        c->after[j] = fmin(fmax(l->upper[j], command[j]), c->after[j]);
     }
+    return sqrt(square_of(c->step, n)) <= o[C_LONGEST] * o[C_SURE];
+}
+
+/* Write a cycle into the state. 2: the restart search is left to Python. */
+static int remember(const double *o, const Limits *l, double *command, double *velocity, double *memory,
+                    const double *target, const double *q, const Cycle *c) {
+    const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
+    const double *t = o + C_TASK, *k = l->chain + 24 + JOINT * n, *s = k + K_COUNT, *r = s + S_COUNT;
+    double *supervision = memory + 1 + m, *search = memory + (int)r[R_PLACE];
     double seen[3 + 2 * MAX_JOINTS], coordinates[MAX_TARGET], deviation[MAX_JOINTS];
+    int done = r[R_PLACE] == 0.0 || watch(r, l->chain, n, t, search, target, q, c->size) ? 1 : 2;
     for (int j = 0; j < n; j++) deviation[j] = q[j] - command[j];
-    if (fikm_remember_turns(supervision, s, error, step, seen)) {
+    if (fikm_remember_turns(supervision, s, c->error, c->step, seen)) {
         coordinates_of(t, (int)s[S_COORDINATES], target, coordinates);
-        fikm_remember_motion(supervision, s, seen, error, coordinates,
+        fikm_remember_motion(supervision, s, seen, c->error, coordinates,
                              k[K_MEASURED] != 0.0 ? deviation : NULL);
     }
-    for (int j = 0; j < n; j++) velocity[j] = (after[j] - command[j]) * k[K_RATE], command[j] = after[j];
-    memory[0] = filtered;
-    memcpy(memory + 1, d, sizeof(double) * (size_t)m);
-    return 1;
+    for (int j = 0; j < n; j++)
+        velocity[j] = (c->after[j] - command[j]) * k[K_RATE], command[j] = c->after[j];
+    memory[0] = c->filtered;
+    memcpy(memory + 1, c->filtered_error, sizeof(double) * (size_t)m);
+    return done;
+}
+
+/* One cycle: command (n), velocity (n) and memory (filtered gain, filtered error (m), supervision, restart
+ * search) after it, or with `peek` only what it computes. q: joints (n), the command or measured; way: the
+ * step (n) of a restart search, or NULL. 0: left to Python; 2: of it the restart search. */
+int fikm_cycle(const double *o, double *command, double *velocity, double *memory, const double *target,
+               const double *q, const double *way, int peek, Cycle *c) {
+    const Limits l = limits_of(o, (int)o[C_JOINTS]);
+    if (!ask(o, &l, command, memory, target, q, way, 0, c) || !guard(o, &l, command, c)) return 0;
+    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, c);
+}
+
+/* The same among obstacles, in two calls. First what is asked for, cleared of the raw pairs in `clear`: an
+ * answer of `fikm_clear`, where ends of steps may have to be looked at. Then the cycle with what is left. */
+int fikm_ask_clear(const double *o, const double *command, const double *velocity, const double *memory,
+                   const double *target, const double *q, const double *way, Clear *clear, Cycle *c) {
+    (void)velocity;
+    const size_t n = (size_t)o[C_JOINTS], m = (size_t)o[C_ROWS];
+    const Limits l = limits_of(o, (int)n);
+    if (fikm_clear(clear, TAKE) != CLEARED) return TO_NUMPY;
+    if (!ask(o, &l, command, memory, target, q, way, clear->near > 0, c)) return TO_NUMPY;
+    memcpy(clear->step, c->asked, sizeof(double) * n);
+    memcpy(clear->low, c->low, sizeof(double) * n);
+    memcpy(clear->high, c->high, sizeof(double) * n);
+    memcpy(clear->J, c->J, sizeof(double) * m * n);
+    clear->m = (int64_t)m, clear->bounded = 1;
+    return fikm_clear(clear, BEGIN);
+}
+
+int fikm_cycle_clear(const double *o, double *command, double *velocity, double *memory,
+                     const double *target, const double *q, const Clear *clear, int peek, Cycle *c) {
+    const Limits l = limits_of(o, (int)o[C_JOINTS]);
+    memcpy(c->asked, clear->taken, sizeof(double) * (size_t)o[C_JOINTS]);
+    if (!guard(o, &l, command, c)) return 0;
+    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, c);
 }

@@ -317,5 +317,7 @@ int PASTE(fikm_solve, ISA)(const double *chain, int n, const double *o, const do
 #include "curve.h"
 #include "clearance.h"
 #include "supervision.h"
+#include "task.h"
+#include "restart.h"
 #include "cycle.h"
 #endif

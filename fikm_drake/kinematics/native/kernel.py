@@ -58,7 +58,8 @@ class Kernel:
             self.stride = loaded.fikm_stride
             self.clear, self.clear_size = loaded.fikm_clear, loaded.fikm_clear_size
             self.task, self.cycle = loaded.fikm_task, loaded.fikm_cycle
-            self.step_at = loaded.fikm_step_at
+            self.ask_clear, self.cycle_clear = loaded.fikm_ask_clear, loaded.fikm_cycle_clear
+            self.cycle_size, self.step_at = loaded.fikm_cycle_size, loaded.fikm_step_at
             self.gain, self.remember_turns = loaded.fikm_gain, loaded.fikm_remember_turns
             self.remember_motion = loaded.fikm_remember_motion
         except (AttributeError, ValueError, StopIteration) as error:
@@ -83,7 +84,11 @@ class Kernel:
         self.remember_motion.argtypes, self.remember_motion.restype = [_POINTER] * 6, None
         self.step_at.argtypes = [*[_POINTER] * 4, _DOUBLE, _POINTER]
         self.step_at.restype = _INT
-        self.cycle.argtypes, self.cycle.restype = [_POINTER] * 7, _INT
+        self.cycle_size.argtypes, self.cycle_size.restype = [], _LONG
+        self.cycle.argtypes, self.cycle.restype = [*[_POINTER] * 7, _INT, _POINTER], _INT
+        self.ask_clear.argtypes, self.ask_clear.restype = [_POINTER] * 9, _INT
+        self.cycle_clear.argtypes = [*[_POINTER] * 7, _INT, _POINTER]
+        self.cycle_clear.restype = _INT
         self.newton.restype = self.arrive.restype = self.stride.restype = _INT
 
 

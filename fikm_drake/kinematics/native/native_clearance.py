@@ -96,7 +96,8 @@ class NativeClearStep(threading.local):
         fields.reach[: len(columns)] = reach.tolist()
         for name, value in numbers.items():
             setattr(fields, name, value)
-        self._at, n = ctypes.addressof(fields), len(columns)
+        self.at, n = ctypes.addressof(fields), len(columns)
+        """Address of the fields."""
         self.taken = 0
         """The mark of what was taken up last; unlike a reference it keeps nothing alive."""
         self._step, self._low, self._high, self._taken, self._J = (
@@ -140,6 +141,7 @@ class NativeClearStep(threading.local):
         fields = self._fields
         if taken != self.taken and self.take(found, bool(fields.padded)) < 0:
             return None
+        self._move(moved)
         self._step[:] = step
         fields.m = 0
         if J is not None:
@@ -150,17 +152,17 @@ class NativeClearStep(threading.local):
         fields.bounded = 2 if bounds is not None else 0
         if low is not None and high is not None:
             fields.bounded, self._low[:], self._high[:] = 1, low, high
-        fields.moves = moved is not None
-        if moved is not None:
-            self._moved[: len(moved)] = moved
-        answer = self._run(self._at, BEGIN)
+        answer = self._run(self.at, BEGIN)
         if answer == WANT_BOUNDS and bounds is not None:
             self._low[:], self._high[:] = bounds()
-            answer = self._run(self._at, GO_ON)
+            answer = self._run(self.at, GO_ON)
         if answer == WANT_LOOK:
-            answer = self._look(look, looks)
-        if answer != CLEARED:
-            return None
+            answer = self.look(look, looks)
+        return self.answer() if answer == CLEARED else None
+
+    def answer(self) -> NativeAnswer:
+        """What was found, after the kernel has answered `CLEARED`."""
+        fields = self._fields
         return NativeAnswer(
             self._taken.copy(), fields.distance, bool(fields.blocked), int(fields.row)
         )
@@ -173,27 +175,44 @@ class NativeClearStep(threading.local):
                 sets aside room for all pairs, and two such rooms are not found in the cache.
             padded: the checker has paddings.
         """
-        fields = self._fields
-        fields.padded = padded
-        self.taken = next(_MARKS)
-        if not self._read(found) or self._run(self._at, TAKE) != CLEARED:
+        if not self.read(found, padded) or self._run(self.at, TAKE) != CLEARED:
             return -1
-        return fields.near
+        return self._fields.near
 
-    def _look(self, look: Callable[[Array], RobotClearance], looks: int) -> int:
-        """Look at the end of the step: it is corrected, then halved, then given up."""
+    def read(self, found: RobotClearance, padded: bool, moved: Array | None = None) -> bool:
+        """Copy what a checker says, for the kernel to take up; False if it is too much.
+
+        Args:
+            found: what it says.
+            padded: the checker has paddings.
+            moved: see a call.
+        """
+        self._fields.padded = padded
+        self.taken = next(_MARKS)
+        if not self._read(found):
+            return False
+        self._move(moved)
+        return True
+
+    def _move(self, moved: Array | None) -> None:
+        self._fields.moves = moved is not None
+        if moved is not None:
+            self._moved[: len(moved)] = moved
+
+    def look(self, look: Callable[[Array], RobotClearance], looks: int) -> int:
+        """Look at the end of the step: it is corrected, then halved, then given up; the kernel's answer."""
         self.taken = next(_MARKS)
         for i in range(looks):
             if not self._read(look(self._taken)):
                 return TO_NUMPY
             self._fields.correct = i + 2 < looks
-            answer = self._run(self._at, LOOKED)
+            answer = self._run(self.at, LOOKED)
             if answer != WANT_LOOK:
                 return answer
             if i + 2 >= looks:
                 self._taken *= 0.5
         self._taken[:] = 0.0
-        return self._run(self._at, FINISH)
+        return self._run(self.at, FINISH)
 
     def _read(self, found: RobotClearance) -> bool:
         """Copy what a checker says; False if it is too much."""
