@@ -121,6 +121,10 @@ class CalmRule:
             return slow.joint if error > STAYS * slow.mean_error else -1
         return -1
 
+    def too_few(self, changes: float) -> bool:
+        """True if a joint with so many changes of sign in the slow window does not shake."""
+        return changes < self._threshold and changes < self._slow_threshold
+
     def lowered(self, calm: float) -> float:
         """The calm of an arm that shakes."""
         return max(LEAST_CALM, calm * self._calming)

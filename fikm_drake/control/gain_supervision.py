@@ -1,16 +1,15 @@
 """The fuzzy gain and the detection of oscillation (Xu & Nechyba 1993, section 2.7), and the calm."""
 
-from math import inf
+from math import inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative, check_positive
 from fikm_drake.control.calm_rule import JUMP, CalmRule
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig, gain_rules
-from fikm_drake.control.motion_windows import DOMINANT, FADING, MotionWindows
+from fikm_drake.control.motion_windows import DOMINANT, FADING, MotionWindows, places
 from fikm_drake.control.steps import length
 from fikm_drake.kinematics.native.native_supervision import native_supervision
 
@@ -19,6 +18,9 @@ AT_REST = 1e-4
 
 CALMED_BELOW = 0.5
 """The arm is calmed while the calm is below this [-]."""
+
+KNOWN, CALM, CHANGES, WATCHED, TURN, TURN_BEFORE, TURNS, TICKS, JOINT, RESTS = range(10)
+"""Where the numbers of the memory are that `GainSupervision.fields` names first."""
 
 LONG_AGO = -1e9
 """Before any cycle."""
@@ -36,8 +38,8 @@ class WatchedMotion(NamedTuple):
     """(n,) [rad or m]; zero where it was too long to be summed."""
     square: float
     """Of its length."""
-    flips: NDArray[np.bool_] | None
-    """Joints that turned round (n,), bool; None: none did."""
+    turned: list[int]
+    """The joints that turned round."""
 
 
 class GainSupervision:
@@ -92,26 +94,27 @@ class GainSupervision:
             window=config.window,
             slow_window=config.slow_window,
         )
-        self.fields = np.dtype(
-            [
-                ("known", "f8"),  # errors so far
-                ("calm", "f8"),
-                ("changes", "f8"),  # of sign of the joint that has most, within the window
-                ("watched", "f8"),  # 1 while the motion is watched
-                ("turn", "f8"),  # when joints last turned round, as the number of errors then...
-                ("turn_before", "f8"),  # ...and the time before
-                ("turns", "f8"),  # cycles with a turn since the motion is watched
-                ("ticks", "f8"),
-                ("joint", "f8"),  # that oscillates, or did
-                ("rests", "f8"),  # 1 if nothing moves
-                ("errors", "f8", (config.window,)),  # a ring
-                ("signs", "f8", (num_joints,)),  # of each joint's last motion
-                ("flips", "f8", (config.window - 1, num_joints)),  # a ring: who turned round
-                *self._windows.fields,
-            ]
-        )
-        # What every cycle reads, without the cost of names; the scalars above are 0 to 3 in order.
-        self._errors, self._signs = self._slice("errors"), self._slice("signs")
+        fields = [
+            ("known", "f8"),  # errors so far
+            ("calm", "f8"),
+            ("changes", "f8"),  # of sign of the joint that has most, within the window
+            ("watched", "f8"),  # 1 while the motion is watched
+            ("turn", "f8"),  # when joints last turned round, as the number of errors then...
+            ("turn_before", "f8"),  # ...and the time before
+            ("turns", "f8"),  # cycles with a turn since the motion is watched
+            ("ticks", "f8"),
+            ("joint", "f8"),  # that oscillates, or did
+            ("rests", "f8"),  # 1 if nothing moves
+            ("errors", "f8", (config.window,)),  # a ring
+            ("signs", "f8", (num_joints,)),  # of each joint's last motion
+            ("flips", "f8", (config.window - 1, num_joints)),  # a ring: who turned round
+            *self._windows.fields,
+        ]
+        self.fields = np.dtype(fields)
+        place = places(fields)
+        self._errors, self._signs, self._flips = place["errors"], place["signs"], place["flips"]
+        self._motion = slice(self._flips.stop, None)
+        self._num_joints = num_joints
         self._window, self._slow_window = config.window, config.slow_window
         self._threshold = config.sign_changes
         self._medium = float(config.error_breakpoints[1])
@@ -125,9 +128,8 @@ class GainSupervision:
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
         memory = np.zeros(self.fields.itemsize // 8)
-        named = self._named(memory)
-        named["calm"], named["joint"] = 1.0, -1.0
-        named["turn"] = named["turn_before"] = LONG_AGO
+        memory[CALM], memory[JOINT] = 1.0, -1.0
+        memory[TURN] = memory[TURN_BEFORE] = LONG_AGO
         return memory
 
     def gain(self, memory: Array, error: float) -> float:
@@ -150,26 +152,24 @@ class GainSupervision:
 
     def calm(self, memory: Array) -> float:
         """The factor of the gain: 1, or less after an oscillation."""
-        return float(memory[1])
+        return float(memory[CALM])
 
     def damping(self, memory: Array) -> float:
         """Damping of the scaled Jacobian, 0 as long as the gain is not calmed [-]."""
-        calm = float(memory[1])
+        calm = float(memory[CALM])
         return 0.0 if calm == 1.0 else self._rule.damping(calm)
 
     def oscillating(self, memory: Array) -> bool:
         """True while a joint turns round `sign_changes` times within the window and something moves."""
-        named = self._named(memory)
-        return bool(named["changes"] >= self._threshold and not named["rests"])
+        return bool(memory[CHANGES] >= self._threshold and not memory[RESTS])
 
     def oscillating_joint(self, memory: Array) -> int:
         """The joint that oscillates, or did so before the gain was calmed; −1: none."""
-        return int(self._named(memory)["joint"])
+        return int(memory[JOINT])
 
     def calmed(self, memory: Array) -> bool:
         """True while the arm rests because the gain is calmed: the target can't be approached."""
-        named = self._named(memory)
-        return bool(named["calm"] < CALMED_BELOW and named["rests"])
+        return bool(memory[CALM] < CALMED_BELOW and memory[RESTS])
 
     def remember(
         self,
@@ -203,47 +203,33 @@ class GainSupervision:
         """
         if self.native:
             return self.native.remember_turns(memory, error, joint_step)
-        known, _, changes, watched = memory[:4].tolist()
+        known, calm, changes, watched = memory[:4].tolist()
         size = length(error)
         if 0.0 < size < inf:
             memory[self._errors.start + int(known) % self._window] = min(size, self._error_limit)
-            memory[0] = known + 1.0
+            memory[KNOWN] = known + 1.0
         square = joint_step.dot(joint_step)
         if not square < HUGE**2:
             joint_step = np.where(np.abs(joint_step) < HUGE, joint_step, 0.0)
             square = joint_step.dot(joint_step)
-        flips = None
-        if square > self._dead_band**2:
-            signs, last = np.sign(joint_step), memory[self._signs]
-            if not signs.dot(last) == signs.dot(signs):
-                moves = np.abs(joint_step) > self._dead_band
-                flips = moves & (signs * last < 0.0)
-                np.copyto(last, signs, where=moves)
-                if not flips.any():
-                    flips = None
-        if flips is None and not watched and not changes:
+        turned = self._turned(memory, joint_step) if square > self._dead_band**2 else []
+        if not (turned or watched or changes):
             return False
-        named = self._named(memory)
-        ring, ticks = named["flips"], float(named["ticks"])
-        oldest = ring[int(ticks) % len(ring)]
-        if flips is not None or any(oldest.tolist()):  # else the counts stay
-            oldest[:] = 0.0 if flips is None else flips
-            named["changes"] = np.maximum.reduce(np.add.reduce(ring))
-        named["ticks"] = ticks + 1.0
-        if flips is not None:
-            named["turns"] += 1.0
-            late, named["turn_before"] = float(named["turn_before"]), named["turn"]
-            named["turn"] = known
+        if turned or changes:  # else the ring is empty
+            self._count_changes(memory, turned)
+        memory[TICKS] += 1.0
+        if turned:
+            late, last = memory[TURN_BEFORE], memory[TURN]
+            memory[TURNS] += 1.0
+            memory[TURN_BEFORE], memory[TURN] = last, known
             if not watched and known - late <= self._slow_window:
-                watched = named["watched"] = named["turns"] = 1.0
-                self._windows.start(named)
-        calm = float(named["calm"])
-        if watched and calm == 1.0 and known - float(named["turn"]) >= self._slow_window:
-            watched = named["watched"] = 0.0
-            named["joint"] = -1.0
-        if not watched or calm == 1.0 and size <= self._tolerance:
+                watched = memory[WATCHED] = memory[TURNS] = 1.0
+                self._windows.start(memory[self._motion])
+        elif watched and calm == 1.0 and known - memory[TURN] >= self._slow_window:
+            watched, memory[WATCHED], memory[JOINT] = 0.0, 0.0, -1.0
+        if not watched or (calm == 1.0 and size <= self._tolerance):
             return False
-        return WatchedMotion(size, joint_step, square, flips)
+        return WatchedMotion(size, joint_step, square, turned)
 
     def remember_motion(
         self,
@@ -258,20 +244,20 @@ class GainSupervision:
             self.native.remember_motion(memory, error, target, deviation)
             return
         assert isinstance(motion, WatchedMotion)
-        named, (size, joint_step, square, flips) = self._named(memory), motion
+        (size, joint_step, square, turned), seen = motion, memory[self._motion]
         if not (0.0 < size < HUGE and target.dot(target) < HUGE**2):
             # No error to go by: on from the last that was.
-            error, target = named["last_error"], named["last_target"]
-            size, deviation = float(named["last_size"]), None
+            size, error, target = self._windows.last(seen)
+            deviation = None
         if deviation is not None and not deviation.dot(deviation) < HUGE**2:
             deviation = None
         if size <= self._tolerance:  # to and fro there is nothing to calm
-            joint_step, square, flips = 0.0 * joint_step, 0.0, None
+            joint_step, square, turned = 0.0 * joint_step, 0.0, []
         shift = self._windows.add(
-            named, size, error, target, joint_step, square**0.5, flips, deviation
+            seen, size, error, target, joint_step, sqrt(square), turned, deviation
         )
-        if named["calm"] < 1.0 or named["turns"] >= self._threshold:
-            self._set_calm(named, size, shift)
+        if memory[CALM] < 1.0 or memory[TURNS] >= self._threshold:
+            self._set_calm(memory, size, shift)
 
     def _options(self, sizes: tuple[int, ...], config: GainSupervisorConfig) -> Array:
         """What the native kernel is told, in the order of `native/supervision.h`."""
@@ -281,38 +267,49 @@ class GainSupervision:
         numbers += [AT_REST, DOMINANT, FADING, HUGE, *self._rule.numbers]
         return np.array(numbers, dtype=float)
 
-    def _slice(self, field: str) -> slice:
-        """Where a field is in the memory."""
-        places = np.zeros(1, dtype=self.fields)
-        places[0][field] = 1.0
-        found = np.flatnonzero(places.view(float))
-        return slice(int(found[0]), int(found[-1]) + 1)
+    def _turned(self, memory: Array, joint_step: Array) -> list[int]:
+        """The joints that turn round with this step, whose new signs are written."""
+        before, turned = memory[self._signs], []
+        for j, (x, sign) in enumerate(zip(joint_step.tolist(), before.tolist())):
+            if x * sign <= 0.0 and abs(x) > self._dead_band:
+                before[j] = 1.0 if x > 0.0 else -1.0
+                if sign:
+                    turned.append(j)
+        return turned
 
-    def _named(self, memory: Array) -> np.void:
-        """The memory by its fields' names; what is written there is written to the memory."""
-        return memory.view(self.fields)[0]
+    def _count_changes(self, memory: Array, turned: list[int]) -> None:
+        """Write the joints that turned round in place of the oldest of the ring, and count anew."""
+        ring = memory[self._flips].reshape(-1, self._num_joints)
+        oldest = ring[int(memory[TICKS]) % len(ring)]
+        if turned or any(oldest.tolist()):  # else the counts stay
+            oldest[:] = 0.0
+            for joint in turned:
+                oldest[joint] = 1.0
+            memory[CHANGES] = max(np.add.reduce(ring).tolist())
 
-    def _set_calm(self, named: np.void, size: float, shift: float) -> None:
+    def _set_calm(self, memory: Array, size: float, shift: float) -> None:
         """The calm of the next cycle, after an error of length `size` and a target that moved by `shift`."""
-        fast, slow = self._windows.motions(named)
-        before = calm = float(named["calm"])
-        rule = self._rule
-        if size <= self._tolerance:
-            calm = rule.raised(calm)
-        elif shift > JUMP * size and calm < 1.0:
-            calm = rule.awake(calm)
-            self._windows.start(named)  # what was seen holds no more
-            named["rests"] = 0.0
+        windows, seen, rule = self._windows, memory[self._motion], self._rule
+        before = calm = float(memory[CALM])
+        if calm == 1.0 and rule.too_few(windows.most_changes(seen)):  # as in most cycles
+            path_step = windows.path_step(seen)
         else:
-            joint = rule.shaking_joint(size, fast, slow)
-            if joint >= 0:
-                named["joint"], calm = joint, rule.lowered(calm)
+            fast, slow = windows.motions(seen)
+            path_step = fast.path_step
+            if size <= self._tolerance:
+                calm = rule.raised(calm)
+            elif shift > JUMP * size and calm < 1.0:
+                calm = rule.awake(calm)
+                windows.start(seen)  # what was seen holds no more
+                memory[RESTS] = 0.0
             else:
-                calm = rule.undisturbed(calm, size, fast, slow, rests=bool(named["rests"]))
-        if named["cycles"] >= self._window - 1:
-            named["rests"] = fast.path_step < AT_REST * (self._window - 1)
+                joint = rule.shaking_joint(size, fast, slow)
+                if joint >= 0:
+                    memory[JOINT], calm = joint, rule.lowered(calm)
+                else:
+                    calm = rule.undisturbed(calm, size, fast, slow, rests=bool(memory[RESTS]))
+        if windows.cycles(seen) >= self._window - 1:
+            memory[RESTS] = path_step < AT_REST * (self._window - 1)
         if calm <= rule.damped_first < before:
-            self._windows.forget_turns(
-                named
-            )  # less gain only if they shake with all the damping too
-        named["calm"] = calm
+            windows.forget_turns(seen)  # less gain only if they shake with all the damping too
+        memory[CALM] = calm

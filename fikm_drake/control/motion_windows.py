@@ -1,10 +1,10 @@
 """What a loop did lately: how far joints, error and target went, and how much of it to and fro."""
 
-from math import inf
+from collections.abc import Sequence
+from math import inf, prod, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fikm_drake.arrays import Array
 from fikm_drake.checks import check_counts
@@ -14,6 +14,10 @@ DOMINANT = 0.05
 
 FADING = 0.9
 """The largest step of late fades by this factor a cycle [-]."""
+
+CYCLES, LARGEST, LAST_SIZE = range(3)
+"""Where the first numbers of the memory are: cycles so far, the largest joint step of late, the last error's
+length (negative: there is none)."""
 
 
 class Motion(NamedTuple):
@@ -56,7 +60,7 @@ class MotionWindows:
     forgets a block at a time. A row holds what is summed: joint step, changes of error and target, changes
     of sign, and lengths.
 
-    The memory is a vector with named fields that the caller keeps: `MotionWindows.fields`.
+    The memory is a vector that the caller keeps; `fields` says of what.
 
     Args:
         num_rows: m, of the task error.
@@ -77,96 +81,113 @@ class MotionWindows:
         self._lengths = slice(ends[-1], ends[-1] + 7)
         self._starts = [0, *ends[:2]]
         self._nets = slice(0, ends[2])
-        self._size = self._lengths.stop
+        self._row_size = self._lengths.stop
         self._rows = window - 1
         self._block = max(1, (slow_window - 1) // self._rows)
-
-    @property
-    def fields(self) -> list[tuple]:
-        """Name, type and shape of what is remembered."""
-        return [
+        self.fields: list[tuple] = [
             ("cycles", "f8"),
             ("largest", "f8"),
             ("last_size", "f8"),
-            ("last_error", "f8", (self._error.stop - self._error.start,)),
-            ("last_target", "f8", (self._target.stop - self._target.start,)),
-            ("last_deviation", "f8", (self._step.stop,)),
-            ("rings", "f8", (2, self._rows, self._size)),
+            ("last_error", "f8", (num_rows,)),
+            ("last_target", "f8", (num_coordinates,)),
+            ("last_deviation", "f8", (num_joints,)),
+            ("rings", "f8", (2, self._rows, self._row_size)),
         ]
+        """Name, type and shape of what is remembered."""
+        place = places(self.fields)
+        self._last_error, self._last_target = place["last_error"], place["last_target"]
+        self._last_deviation, self._rings = place["last_deviation"], place["rings"]
+        self._fast = self._rings.start
+        self._slow = self._fast + self._rows * self._row_size
+        # Of the fast window's cycles, how far the joints went.
+        self._steps = slice(self._fast + self._lengths.start, self._slow, self._row_size)
 
-    def start(self, memory: np.void) -> None:
+    def start(self, memory: Array) -> None:
         """Begin with empty windows."""
-        memory["rings"] = 0.0
-        memory["cycles"] = memory["largest"] = 0.0
-        memory["last_size"] = -1.0
+        memory[self._rings] = 0.0
+        memory[[CYCLES, LARGEST, LAST_SIZE]] = 0.0, 0.0, -1.0
 
-    def forget_turns(self, memory: np.void) -> None:
+    def forget_turns(self, memory: Array) -> None:
         """Count changes of sign anew; what was gone and how stays known."""
-        memory["rings"][:, :, self._flips] = 0.0
+        self._both(memory)[:, :, self._flips] = 0.0
+
+    def last(self, memory: Array) -> tuple[float, Array, Array]:
+        """Of the last cycle the error's length [m], the error and the target: views."""
+        return float(memory[LAST_SIZE]), memory[self._last_error], memory[self._last_target]
+
+    def cycles(self, memory: Array) -> int:
+        """How many there were since the start."""
+        return int(memory[CYCLES])
 
     def add(
         self,
-        memory: np.void,
+        memory: Array,
         size: float,
         error: Array,
         target: Array,
         step: Array,
         length: float,
-        flips: NDArray[np.bool_] | None,
+        turned: Sequence[int] = (),
         deviation: Array | None = None,
     ) -> float:
-        """Write a cycle: error of length `size`, target, joint step and which joints turned round.
+        """Write a cycle: error of length `size`, target, joint step, its length, and who turned round.
 
         `deviation` (n) is of the measured joints from their command, where they are measured.
 
         Returns:
             how far the target moved in it [m].
         """
-        cycles, last_size = int(memory["cycles"]), float(memory["last_size"])
+        known, largest, last_size = memory[:3].tolist()
+        cycle, last_error, last_target = (
+            int(known),
+            memory[self._last_error],
+            memory[self._last_target],
+        )
         if last_size < 0.0:  # nothing to compare with
-            memory["last_error"], memory["last_target"] = error, target
-            memory["last_deviation"] = 0.0 if deviation is None else deviation
+            last_error[:], last_target[:] = error, target
+            memory[self._last_deviation] = 0.0 if deviation is None else deviation
             last_size = size
         strayed = 0.0
         if deviation is not None:
-            change = deviation - memory["last_deviation"]
-            strayed = float(change.dot(change)) ** 0.5
-            memory["last_deviation"] = deviation
-        fast, slow = memory["rings"]
-        row = fast[cycles % self._rows]
+            change = deviation - memory[self._last_deviation]
+            strayed = sqrt(change.dot(change))
+            memory[self._last_deviation] = deviation
+        row = self._row(memory, self._fast, cycle)
         row[self._step] = step
-        moved = error - memory["last_error"]
-        shifted = target - memory["last_target"]
-        row[self._error], row[self._target] = moved, shifted
-        sizes = np.abs(step)
-        largest = max(float(np.maximum.reduce(sizes)), FADING * float(memory["largest"]))
-        row[self._flips] = 0.0 if flips is None else flips * (sizes > DOMINANT * largest)
-        fall = last_size - size
-        shift = float(shifted.dot(shifted)) ** 0.5
-        row[self._lengths] = (
-            length,
-            float(moved.dot(moved)) ** 0.5,
-            shift,
-            max(size, 0.0),
-            fall,
-            abs(fall),
-            strayed,
-        )
-        block = slow[cycles // self._block % self._rows]
-        if cycles % self._block:
+        moved, shifted = row[self._error], row[self._target]
+        np.subtract(error, last_error, moved)
+        np.subtract(target, last_target, shifted)
+        last_error[:], last_target[:] = error, target
+        sizes = [abs(x) for x in step.tolist()]
+        largest = max(*sizes, FADING * largest)
+        row[self._flips] = 0.0
+        for joint in turned:
+            row[self._flips.start + joint] = sizes[joint] > DOMINANT * largest
+        fall, shift = last_size - size, sqrt(shifted.dot(shifted))
+        path = sqrt(moved.dot(moved))
+        row[self._lengths] = length, path, shift, max(size, 0.0), fall, abs(fall), strayed
+        block = self._row(memory, self._slow, cycle // self._block)
+        if cycle % self._block:
             block += row
         else:
             block[:] = row
-        memory["cycles"], memory["largest"], memory["last_size"] = cycles + 1, largest, size
-        memory["last_error"], memory["last_target"] = error, target
+        memory[CYCLES], memory[LARGEST], memory[LAST_SIZE] = known + 1.0, largest, size
         return shift
 
-    def motions(self, memory: np.void) -> tuple[Motion, Motion]:
+    def path_step(self, memory: Array) -> float:
+        """How far the joints went in the fast window [rad or m]."""
+        return sum(memory[self._steps].tolist())
+
+    def most_changes(self, memory: Array) -> float:
+        """Changes of sign of the joint that has most in the slow window, of which the fast one is a part."""
+        return max(np.add.reduce(self._both(memory)[1, :, self._flips]).tolist())
+
+    def motions(self, memory: Array) -> tuple[Motion, Motion]:
         """The motions of the fast and of the slow window."""
-        sums = np.add.reduce(memory["rings"], axis=1)
+        sums = np.add.reduce(self._both(memory), axis=1)
         nets = sums[:, self._nets]
         nets = np.sqrt(np.add.reduceat(nets * nets, self._starts, axis=1)).tolist()
-        cycles = int(memory["cycles"])
+        cycles = self.cycles(memory)
         late = (cycles - 1) % self._block + 1
         known = (min(cycles, self._rows), min(cycles, (self._rows - 1) * self._block + late))
         motions = []
@@ -180,3 +201,21 @@ class MotionWindows:
             most_of = flips.index(most)
             motions.append(Motion(*paths, most, most_of, mean, fall, rough, strayed, count))
         return motions[0], motions[1]
+
+    def _row(self, memory: Array, ring: int, count: int) -> Array:
+        """The row of a ring for this count of cycles or blocks, a view."""
+        first = ring + count % self._rows * self._row_size
+        return memory[first : first + self._row_size]
+
+    def _both(self, memory: Array) -> Array:
+        """Both rings, a view."""
+        return memory[self._rings].reshape(2, self._rows, self._row_size)
+
+
+def places(fields: list[tuple]) -> dict[str, slice]:
+    """Where each of these fields is, in a vector of their numbers."""
+    found, end = {}, 0
+    for name, _, *shape in fields:
+        first, end = end, end + (prod(shape[0]) if shape else 1)
+        found[name] = slice(first, end)
+    return found

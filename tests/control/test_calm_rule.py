@@ -244,15 +244,18 @@ def test_any_number_of_joints(joints):
 def test_windows_are_the_sums_of_their_cycles():
     """Against sums over whole histories: exactly in the fast window, a block at a time in the slow one."""
     windows = MotionWindows(2, 3, 4, window=10, slow_window=64)
-    named = np.zeros(1, dtype=windows.fields)[0]
-    windows.start(named)
+    memory = np.zeros(np.dtype(windows.fields).itemsize // 8)
+    windows.start(memory)
     rng = np.random.default_rng(2)
     steps, errors = 1e-2 * rng.normal(size=(150, 3)), rng.normal(size=(150, 2))
     targets, sizes = rng.normal(size=(150, 4)), rng.random(150)
+    turned = [np.flatnonzero(rng.random(3) < 0.3).tolist() for _ in range(150)]
     for k in range(150):
         size = np.linalg.norm(steps[k])
-        windows.add(named, sizes[k], errors[k], targets[k], steps[k], size, None)
-        fast, slow = windows.motions(named)
+        windows.add(memory, sizes[k], errors[k], targets[k], steps[k], size, turned[k])
+        fast, slow = windows.motions(memory)
+        assert windows.most_changes(memory) == slow.changes >= fast.changes
+        assert windows.path_step(memory) == pytest.approx(fast.path_step, rel=1e-12)
         blocks = k // 7 - 8  # the first that is still known
         for motion, first in ((fast, k - 8), (slow, 7 * blocks)):
             since = slice(max(0, first), k + 1)
