@@ -11,17 +11,13 @@ from fikm_drake.control.clearance import ClearanceInfo, info_of
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
 from fikm_drake.control.restart_search import RestartState
-from fikm_drake.kinematics.native.kernel import (
-    MOST_JOINTS,
-    Kernel,
-    address,
-    kernel,
-    writable_address,
-)
+from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel, address, kernel
 from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK
 from fikm_drake.kinematics.task_kinematics import PlantTask
 
 MOST_ROWS = 6
+UNDERWAY = float(RestartState.UNDERWAY)
+"""A number of numpy takes long to be compared with an enum."""
 PARTS = {
     "numbers": 4,
     "error": MOST_ROWS,
@@ -70,12 +66,9 @@ class NativeCycle(threading.local):
         self._numbers = task.target_numbers
         self._run, self._ask, self._go = loaded.cycle, loaded.ask_clear, loaded.cycle_clear
         self._computed = np.zeros(sum(PARTS.values()))
-        inputs = options, self._target, self._q, self._way, self._computed
-        self._at_options, self._at_target, self._at_q, self._at_way, self._at_computed = map(
-            address, inputs
-        )
         own = self._command, self._velocity, self._memory
-        self._at_own = address(own[0]), address(own[1]), address(own[2])
+        self._at_inputs = tuple(map(address, (options, *own, self._target, self._q)))
+        self._at_way, self._at_computed = address(self._way), address(self._computed)
 
     def __reduce__(self) -> tuple:
         """Pickled as what it was made of: addresses hold in one process only."""
@@ -103,21 +96,22 @@ class NativeCycle(threading.local):
         Returns:
             False if this cycle is not one of the ordinary; then nothing is changed.
         """
-        state = writable_address(command), writable_address(velocity), writable_address(memory)
-        done, _ = self._do(state, memory, target, q, others, False)
+        done, _ = self._do(command, memory, target, q, others, False)
+        if not done:
+            return False
+        command[:], velocity[:], memory[:] = self._command, self._velocity, self._memory
         if done == 2 and self._restart:
             size = float(self._computed[0])
             self._restart.remember(memory[self._search], target, self._q.copy(), size, others)
-        if done and others is not None:
+        if others is not None:
             memory[self._others] = others
-        return done != 0
+        return True
 
     def tick(
         self, command: Array, memory: Array, target: Any, q: Array, others: Array | None = None
     ) -> Tick | None:
         """A tick; nothing is changed. The arguments are those of `advance`; None for False."""
-        self._command[:], self._memory[:] = command, memory
-        done, cleared = self._do(self._at_own, memory, target, q, others, True)
+        done, cleared = self._do(command, memory, target, q, others, True)
         if not done:
             return None
         parts = np.split(self._computed.copy(), np.cumsum([*PARTS.values()])[:-1])
@@ -133,23 +127,22 @@ class NativeCycle(threading.local):
 
     def _do(
         self,
-        state: tuple[int, int, int],
+        command: Array,
         memory: Array,
         target: Any,
         q: Array,
         others: Array | None,
         peek: bool,
     ) -> tuple[int, ClearanceInfo]:
-        """What the kernel answers, of a state at these addresses, and what obstacles did."""
+        """What the kernel answers, which has the state of its own, and what obstacles did."""
         self._target[:], self._q[:] = self._numbers(target), q
+        self._command[:], self._memory[:] = command, memory  # sooner done than to ask for addresses
         at_way = None
-        if self._restart and memory[self._search.start] == RestartState.UNDERWAY:
+        if self._restart and memory.item(self._search.start) == UNDERWAY:
             self._way[:] = self._restart.step(memory[self._search], self._q, self._way)
             at_way = self._at_way
-        inputs = *state, self._at_target, self._at_q
         if self._among is None:
-            done = self._run(self._at_options, *inputs, at_way, peek, self._at_computed)
-            return done, UNTOUCHED
+            return self._run(*self._at_inputs, at_way, peek, self._at_computed), UNTOUCHED
         (clearance, clear), q = self._among, self._q
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return 0, UNTOUCHED
@@ -158,12 +151,12 @@ class NativeCycle(threading.local):
         after, moved = clearance.moving(q, found, others, memory[self._others])
         if not clear.read(found, near.padded, moved):
             return 0, UNTOUCHED
-        answer = self._ask(self._at_options, *inputs, at_way, clear.at, self._at_computed)
+        answer = self._ask(*self._at_inputs, at_way, clear.at, self._at_computed)
         if answer == WANT_LOOK:
             answer = clear.look(lambda step: near.ask(q + step, after), LOOKS)
         if answer != CLEARED:
             return 0, UNTOUCHED
-        done = self._go(self._at_options, *inputs, clear.at, peek, self._at_computed)
+        done = self._go(*self._at_inputs, clear.at, peek, self._at_computed)
         return done, info_of(clear.answer(), found) if peek else UNTOUCHED
 
 

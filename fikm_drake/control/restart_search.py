@@ -145,7 +145,7 @@ class RestartSearch:
 
     def step(self, memory: Array, q: Array, joint_step: Array) -> Array:
         """The joint step (n,): on the way that to the posture, else the law's `joint_step`."""
-        if memory[0] != RestartState.UNDERWAY:
+        if memory.item(0) != RestartState.UNDERWAY:
             return joint_step
         via = self._way.via(memory[self._rest]) if self._way else None
         way = (memory[self._own] if via is None else via) - q
@@ -164,14 +164,14 @@ class RestartSearch:
             error: length of the task error [m].
             others: where obstacles are (p,), see `Clearance`; None: where they are by default.
         """
-        state = memory[0]
+        state = memory.item(0)
         if not error < inf or (error <= self._tolerance and state != RestartState.UNDERWAY):
             memory[:4] = 0.0
         elif state == RestartState.NONE:
             self._watch(memory, desired, q, error)
         elif state == RestartState.SEARCHING:
             for _ in range(LOOKS):
-                if memory[0] == RestartState.SEARCHING:
+                if memory.item(0) == RestartState.SEARCHING:
                     self._look(memory, desired, q, error, others)
         elif state == RestartState.UNDERWAY:
             self._arrive(memory, desired, q)
