@@ -37,7 +37,8 @@ class FuzzyIkConfig:
     Attributes:
         law: maps Jacobian and error to a joint step; in YAML by a tag, `law: !DampedLeastSquares
             {damping: 0.05}`, without a tag `FuzzyMapping`. More `iterations` are sharper and dearer;
-            for poses take `{iterations: 6, damping: 0.1, row_floor: 0.05}`.
+            for poses take `FuzzyMapping.iterated()`, in YAML `{iterations: 6, damping: 0.1, error_damping: 3,
+            row_floor: 0.05}`.
         frame: name of the tool's frame in the plant; `instance::name` where several arms have one.
         task: what counts: `position`, axes such as `xy`, `orientation`, `pose`, `pointing`.
         characteristic_length: for tasks with orientation a turn of 1 rad counts as this much [m];
@@ -152,12 +153,11 @@ class FuzzyIkConfig:
         )
 
     def for_tracking(self) -> "FuzzyIkConfig":
-        """This config for targets that move fast and smoothly inside the reach: hardly any lag.
+        """This config for targets that move fast and smoothly: hardly any lag.
 
-        The law is `FuzzyMapping` with as many iterations as any task has rows, so that no direction is
-        slow; the gain is 1, there are no filters. Calm, limits and the nudge stay. The default lags
-        behind, but passes on less of a target's noise and moves less along a path out of reach:
-        `fikm-drake reproduce fikm --only default` shows both.
+        The law is `FuzzyMapping.iterated()`, in which no direction is slow; the gain is 1, there are no
+        filters. Calm, limits and the nudge stay. The default lags behind, but passes on less of a target's
+        noise: `fikm-drake reproduce fikm --only default` shows both.
 
         Example:
             >>> import fikm_drake as fd
@@ -166,7 +166,7 @@ class FuzzyIkConfig:
         """
         return dataclasses.replace(
             self,
-            law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+            law=FuzzyMapping.iterated(),
             gain_smoothing=0.0,
             error_smoothing=0.0,
             supervisor=dataclasses.replace(self.supervisor, gains=[1.0] * 3),

@@ -83,7 +83,7 @@ def step_options(
         safe_step.side_step,
     ]
     step += [UNMOVED, near is not None, PASSES, law.row_floor, law.column_floor, law.zero_threshold]
-    step += [law.damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
+    step += [law.damping, law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
     arrays = (limits.lower, limits.upper, limits.fastest, *zones, task.native.packed)
     return np.concatenate([np.array(step, dtype=float), *arrays])

@@ -28,7 +28,7 @@ USUAL_REACH = (0.05, 20.0)
 CONFIG = FuzzyIkConfig(
     task="pose",
     control_rate=RATE,
-    law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+    law=FuzzyMapping.iterated(),
     restart_search=True,
 )
 

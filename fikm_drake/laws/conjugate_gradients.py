@@ -8,7 +8,7 @@ TINY = 1e-200
 """Squares below this are zero: their quotients would be noise or infinite."""
 
 
-def conjugate_gradients(S: Array, b: Array, iterations: int, damping: float = 0.0) -> Array:
+def conjugate_gradients(S: Array, b: Array, iterations: int, damping: Array | float = 0.0) -> Array:
     """Minimise |S x − b|² + damping² |x|² by `iterations` steps of conjugate gradients from x = 0.
 
     Each step is the best in the Krylov space so far: m steps, the number of rows, reach the
@@ -18,13 +18,14 @@ def conjugate_gradients(S: Array, b: Array, iterations: int, damping: float = 0.
         S: (…,m,n).
         b: (…,m).
         iterations: at least 1.
-        damping: in the unit of S; dimensionless for a scaled Jacobian, whose norm is at most 1.
+        damping: in the unit of S, one or (…,1); dimensionless for a scaled Jacobian, whose norm is at
+            most 1.
 
     Returns:
         x, (…,n); zeros where the gradient Sᵀ b is zero.
     """
     ST = np.swapaxes(S, -1, -2)
-    damping *= damping
+    damping = np.square(damping)
     residual = b
     gradient = _apply(ST, b)
     x = np.zeros_like(gradient)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import hypot, inf
+from math import hypot, inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,10 @@ from fikm_drake.laws.normal_equations import (
 from fikm_drake.laws.rule_generation.generate import generate_rule_base
 
 METHODS = ("indirect", "direct")
+
+MOST_ERROR_DAMPING = 1.0
+"""What an error adds to the damping at the most [-]: the norm of S is at most 1, so more would only slow the
+arm."""
 
 
 @dataclass
@@ -49,10 +53,18 @@ class FuzzyMapping:
     r_i to √(r_i² + (row_floor · max r)²): a direction in which the arm hardly moves is then pushed
     in proportion, not by the sign of what is left of it, and the law is continuous at c_j = 0.
 
+    `error_damping` κ adds to the damping where the error is long (Levenberg-Marquardt):
+    λ² = damping² + min(κ |R⁻¹ dr|, 1)², where dr_i / r_i is the turn that takes away the error of row i
+    alone, so that neither unit nor arm's size is in it. Near the target it is nothing; before a target out
+    of reach the direction in which the arm can't follow is damped, and the arm does not flail. `iterated()`
+    is the law for poses and for tracking that the project recommends.
+
     Attributes:
         method: `indirect` or `direct`.
         iterations: of conjugate gradients; 1 is the paper's law.
         damping: of S [-], with `iterations` of 2 or more.
+        error_damping: κ [1/rad], with `iterations` of 2 or more; more is calmer out of reach and slower on
+            the way.
         row_floor: fraction of the largest row sum [-]; 0 as in the paper.
         column_floor: fraction of the largest column sum [-]; 0 as in the paper.
         zero_threshold: sums at or below this fraction of the largest row or column sum are zero [-].
@@ -76,6 +88,7 @@ class FuzzyMapping:
     method: str = "indirect"
     iterations: int = 1
     damping: float = 0.0
+    error_damping: float = 0.0
     row_floor: float = 0.0
     column_floor: float = 0.0
     zero_threshold: float = 1e-9
@@ -89,11 +102,12 @@ class FuzzyMapping:
             raise ValueError(f"method must be one of {METHODS}, got {self.method!r}")
         check_counts(iterations=self.iterations)
         check_below_one("zero_threshold", self.zero_threshold)
-        for name in ("damping", "row_floor", "column_floor"):
+        for name in ("damping", "error_damping", "row_floor", "column_floor"):
             check_not_negative(name, getattr(self, name))
         floors = bool(self.row_floor or self.column_floor)
-        if self.damping and self.iterations < 2:
-            raise ValueError("damping needs iterations of 2 or more: the paper's law has none")
+        for name in ("damping", "error_damping"):
+            if getattr(self, name) and self.iterations < 2:
+                raise ValueError(f"{name} needs iterations of 2 or more: the paper's law has none")
         if self.method == "direct" and (self.iterations > 1 or floors):
             raise ValueError("iterations and floors are of method 'indirect', not of 'direct'")
         self._plain = self.iterations == 1 and not floors
@@ -113,6 +127,17 @@ class FuzzyMapping:
             )
             for j_max in np.unique(self._rounded[self._rounded > 0]).tolist()
         }
+
+    @classmethod
+    def iterated(cls) -> "FuzzyMapping":
+        """The recommended law for poses and for tracking: no direction is slow, and it is calm out of reach.
+
+        Example:
+            >>> import fikm_drake as fd
+            >>> fd.FuzzyMapping.iterated().iterations
+            6
+        """
+        return cls(iterations=6, damping=0.1, error_damping=3.0, row_floor=0.05)
 
     @property
     def rule_bases(self) -> dict[float, RuleBase]:
@@ -149,15 +174,15 @@ class FuzzyMapping:
             return columns * pushes[..., 0, :]
         if self.iterations == 1:
             return columns * ((rows * dr)[..., None, :] @ J)[..., 0, :]
-        damping = hypot(self.damping, damping)
+        damped = np.hypot(self._error_damping(dr, rows), hypot(self.damping, damping))
         solved = None
         if self.iterations >= J.shape[-2]:
-            solved = normal_equations(J, dr, rows, columns, damping)
+            solved = normal_equations(J, dr, rows, columns, damped)
             if solved is not None and solved[1].all():
                 return solved[0]
         rows, columns = np.sqrt(rows), np.sqrt(columns)
         S = rows[..., :, None] * J * columns[..., None, :]
-        step = columns * conjugate_gradients(S, rows * dr, self.iterations, damping)
+        step = columns * conjugate_gradients(S, rows * dr, self.iterations, damped[..., None])
         return step if solved is None else np.where(solved[1][..., None], solved[0], step)
 
     def step(self, J: Array, dr: Array, damping: float = 0.0) -> Array:
@@ -174,6 +199,7 @@ class FuzzyMapping:
                 self.column_floor,
                 self.zero_threshold,
                 self.damping,
+                self.error_damping,
                 damping,
                 LARGEST_GROWTH if solve else 0.0,
             )
@@ -192,6 +218,10 @@ class FuzzyMapping:
         if self.iterations == 1:
             return (dr / rows).dot(J) / columns
         damping = hypot(self.damping, damping)
+        if self.error_damping:
+            turns = dr / rows
+            turn = self.error_damping * sqrt(turns.dot(turns))
+            damping = hypot(damping, min(turn, MOST_ERROR_DAMPING))
         if self.iterations >= m:
             solved = normal_equations_of_one(J, dr, rows, columns, damping)
             if solved is not None:
@@ -199,6 +229,14 @@ class FuzzyMapping:
         rows, columns = np.sqrt(rows), np.sqrt(columns)
         S = J / (rows[:, None] * columns)
         return conjugate_gradients_of_one(S, dr / rows, self.iterations, damping) / columns
+
+    def _error_damping(self, dr: Array, rows: Array) -> Array | float:
+        """What the error adds to the damping (…,); `rows` are 1 / r_i."""
+        if not self.error_damping:
+            return 0.0
+        with np.errstate(over="ignore"):
+            turn = self.error_damping * np.linalg.norm(dr * rows, axis=-1)
+        return np.minimum(turn, MOST_ERROR_DAMPING)
 
     def _divisors(self, sums: Array, floor: float) -> Array:
         """The sums (k,) raised by the floor, infinite for those that are zero."""

@@ -45,7 +45,7 @@ def normal_equations_of_one(
 
 
 def normal_equations(
-    J: Array, dr: Array, rows: Array, columns: Array, damping: float
+    J: Array, dr: Array, rows: Array, columns: Array, damping: Array | float
 ) -> tuple[Array, Array] | None:
     """The same, vectorised over leading axes.
 
@@ -54,7 +54,7 @@ def normal_equations(
         dr: (…,m).
         rows: 1 / R (…,m), zero: the row is left out.
         columns: 1 / C (…,n), zero: the joint stays.
-        damping: of S [-].
+        damping: of S (…,) [-].
 
     Returns:
         Steps (…,n), and where they are to be trusted (…,); None if any of the equations is singular.
@@ -63,7 +63,8 @@ def normal_equations(
     M = JC @ np.swapaxes(J, -1, -2)
     with np.errstate(all="ignore"):
         R = 1.0 / rows
-        np.einsum("...ii->...i", M)[...] += damping * damping * R if damping else 0.0
+        if np.any(damping):
+            np.einsum("...ii->...i", M)[...] += np.square(damping)[..., None] * R
         try:
             y = np.linalg.solve(M, dr[..., None])[..., 0]
         except np.linalg.LinAlgError:

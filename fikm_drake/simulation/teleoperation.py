@@ -168,9 +168,7 @@ class Teleop:
 
 def _at_rest(robot: Model | str) -> Scenario:
     """A robot whose target is where its tool is."""
-    config = FuzzyIkConfig(
-        law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05), velocity_limits=[SPEED]
-    )
+    config = FuzzyIkConfig(law=FuzzyMapping.iterated(), velocity_limits=[SPEED])
     blank = Scenario(robot=robot, target=TargetPath(poses=[Pose([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])]))
     tool = RigidTransform(blank.chain().forward_kinematics(blank.start()))
     pose = Pose(tool.translation().tolist(), [], tool.rotation().ToQuaternion().wxyz().tolist())

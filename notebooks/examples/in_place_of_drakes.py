@@ -16,7 +16,7 @@ OURS = True
 arm = fd.load_arm("iiwa14")
 plant = fd.MakeDhArmPlant(arm)
 home = np.array([0.0, 0.6, 0.0, -1.75, 0.0, 1.0, 0.0])
-law = fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+law = fd.FuzzyMapping.iterated()
 config = fd.FuzzyIkConfig(task="pose", law=law, control_rate=100.0, error_smoothing=0.0)
 if OURS:
     ik = fd.MakeFuzzyIkController(plant, config=config, ports="integrator")

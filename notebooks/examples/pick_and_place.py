@@ -33,7 +33,7 @@ mass = SpatialInertia.SolidBoxWithMass(0.2, 0.04, 0.04, 0.08)
 brick = plant.AddRigidBody("brick", plant.AddModelInstance("brick"), mass)
 plant.RegisterCollisionGeometry(brick, RigidTransform(), Box(0.04, 0.04, 0.08), "brick", ROUGH)
 plant.Finalize()
-law = fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+law = fd.FuzzyMapping.iterated()
 config = fd.FuzzyIkConfig(task="pose", control_rate=100.0, law=law, error_limit=0.1, fused=True)
 if driver == "torque":
     ik = fd.AddFuzzyIkTorqueController(builder, plant, config=config)

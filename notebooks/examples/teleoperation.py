@@ -21,7 +21,7 @@ plant, scene_graph = AddMultibodyPlantSceneGraph(builder, time_step=1e-3)
 fd.AddDhArm(plant, arm)
 plant.Finalize()
 
-law = fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+law = fd.FuzzyMapping.iterated()
 config = fd.FuzzyIkConfig(task="pose", control_rate=100.0, law=law, error_limit=0.2)
 ik = fd.AddFuzzyIkTorqueController(builder, plant, config=config)
 X = RigidTransform(arm.forward_kinematics(home))

@@ -240,7 +240,7 @@ def searched(arm, pose, cycles=600):
         restart_search=True,
         tolerance=1e-3 * arm.chain.reach,
         error_limit=0.2 * arm.chain.reach,
-        law=fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+        law=fd.FuzzyMapping.iterated(),
     )
     plant = fd.MakeDhArmPlant(arm)
     cycle = fd.ControlCycle(fd.PoseTask(fd.PlantArm(plant), config.characteristic_length), config)

@@ -10,7 +10,7 @@ from fikm_drake import ControllerStatus as Status
 READY = np.array([0.0, 0.6, 0.0, -1.4, 0.0, 1.0, 0.0])
 SHARP = {
     "task": "pose",
-    "law": fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+    "law": fd.FuzzyMapping.iterated(),
     "control_rate": 100.0,
 }
 WANTED = ("commanded_position", "joint_step", "task_error", "status")

@@ -80,7 +80,7 @@ def test_a_target_near_joint_limits_ends_calm_and_is_reached_with_a_restart(
 
 
 # Of the 60 of `fikm-drake benchmark poses`: three that need no restart search, one that does.
-@pytest.mark.parametrize(("index", "local"), [(2, True), (5, True), (28, False), (36, True)])
+@pytest.mark.parametrize(("index", "local"), [(2, True), (5, True), (28, True), (36, False)])
 def test_random_poses_of_an_iiwa_are_reached(index, local, plant_with, run):
     arm = fd.load_arm("iiwa14")
     postures = np.random.default_rng(0).uniform(arm.lower, arm.upper, (60, 7))
@@ -88,7 +88,7 @@ def test_random_poses_of_an_iiwa_are_reached(index, local, plant_with, run):
     pose = RigidTransform(RotationMatrix(T[:3, :3]), T[:3, 3])
     config = fd.FuzzyIkConfig(
         task="pose",
-        law=fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
+        law=fd.FuzzyMapping.iterated(),
         control_rate=100.0,
         fused=True,
         restart_search=True,

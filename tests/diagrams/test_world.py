@@ -11,7 +11,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 import fikm_drake as fd
 
-SHARP = fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+SHARP = fd.FuzzyMapping.iterated()
 
 
 def config(**changes):

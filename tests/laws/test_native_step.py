@@ -10,6 +10,7 @@ from fikm_drake.laws import fuzzy_mapping as module
 LAWS = [
     fd.FuzzyMapping(),
     fd.FuzzyMapping(row_floor=0.05, column_floor=0.1),
+    fd.FuzzyMapping.iterated(),
     fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05),
     fd.FuzzyMapping(iterations=6),
     fd.FuzzyMapping(iterations=3, damping=1e-3),
@@ -64,9 +65,9 @@ def test_threads_do_not_share_buffers(native_kernel, in_threads):
     def run(seed):
         rng = np.random.default_rng(seed)
         J, dr = rng.normal(size=(3, 7)), rng.normal(size=3)
-        first = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0)
+        first = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 0.0)
         for _ in range(300):
-            again = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0)
+            again = step(J, dr, 0.0, 0.0, 1e-9, 0.0, 0.0, 0.0, 0.0)
             np.testing.assert_array_equal(again, first)
 
     in_threads(run)

@@ -120,6 +120,21 @@ def test_a_row_floor_makes_a_vanishing_row_push_in_proportion(size):
     assert calm <= 1.2 * size
 
 
+@settings(max_examples=50)
+@given(st.integers(0, 10**6), st.floats(0.1, 5.0), st.sampled_from([2, 6]))
+def test_error_damping_is_damping_by_the_turn_that_the_error_asks_for(seed, kappa, iterations):
+    rng = np.random.default_rng(seed)
+    J, dr = rng.normal(size=(3, 5)), 0.3 * rng.normal(size=3)
+    turn = np.linalg.norm(dr / np.abs(J).sum(axis=1))
+    damping = float(np.hypot(0.1, min(kappa * turn, 1.0)))
+    plain = fd.FuzzyMapping(iterations=iterations, damping=damping)
+    grown = fd.FuzzyMapping(iterations=iterations, damping=0.1, error_damping=kappa)
+    np.testing.assert_allclose(grown.step(J, dr), plain.step(J, dr), rtol=1e-10, atol=1e-14)
+    several = grown(np.stack([J, 2.0 * J]), np.stack([dr, 0.1 * dr]))
+    expected = [grown.step(J, dr), grown.step(2.0 * J, 0.1 * dr)]
+    np.testing.assert_allclose(several, expected, rtol=1e-10, atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -127,6 +142,8 @@ def test_a_row_floor_makes_a_vanishing_row_push_in_proportion(size):
         ({"iterations": 1.5}, "iterations"),
         ({"damping": -0.1, "iterations": 3}, "damping"),
         ({"damping": 0.1}, "iterations of 2"),
+        ({"error_damping": 3.0}, "error_damping needs iterations of 2"),
+        ({"error_damping": -1.0, "iterations": 3}, "error_damping"),
         ({"row_floor": float("nan")}, "row_floor"),
         ({"column_floor": -1.0}, "column_floor"),
         ({"method": "direct", "iterations": 2, "jacobian_range": 1.5}, "indirect"),

@@ -38,7 +38,7 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 RATE, SECONDS = 100.0, 6.0
 CYCLES = round(RATE * SECONDS)
 OURS = ("arm7", "iiwa14", "panda", "puma560")
-SHARP = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+SHARP = FuzzyMapping.iterated()
 POSITION = FuzzyIkConfig(control_rate=RATE)
 POSE = FuzzyIkConfig(control_rate=RATE, task="pose", law=SHARP)
 

@@ -124,7 +124,7 @@ def _cases() -> list[_Case]:
         cycles = round(SECONDS * config.control_rate)
         start = np.zeros(load_arm(arm).num_joints)
         cases.append(_Case(f"{arm} {target}", arm, start, [np.array(target)] * cycles, config))
-    sharp = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+    sharp = FuzzyMapping.iterated()
     config = FuzzyIkConfig(task="pose", law=sharp, control_rate=100.0)
     home = load_arm("iiwa14").forward_kinematics(READY)
     for ray in ((0.5, 0.0, 0.4), (0.0, 1.0, 0.3), (0.0, 0.0, 1.0)):

@@ -40,7 +40,7 @@ NOISES = ("none", "none", "target", "sensor")
 """What shakes: nothing, as often as the others together; the target; the measured joints."""
 CYCLES, SECONDS = 1200, 12.0
 """A run is as long as the shorter of these."""
-SHARP = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+SHARP = FuzzyMapping.iterated()
 """The usual law for a pose; the other is the default, the paper's."""
 LENGTH = 0.3
 """A turn of 1 rad counts as this much [m]."""

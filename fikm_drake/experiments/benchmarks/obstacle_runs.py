@@ -55,7 +55,7 @@ def run_ours(
     rows = 3 if scene.task == "position" else 6
     law = FuzzyMapping(iterations=3)
     if rows == 6:
-        law = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+        law = FuzzyMapping.iterated()
     config = FuzzyIkConfig(
         law=law,
         task=scene.task,

@@ -119,7 +119,7 @@ def table(poses: int, progress: Callable[[float], None]) -> BenchmarkTable:
 def variants() -> dict[str, tuple[FuzzyIkConfig, Law | None]]:
     """Ours: a config, and a law in place of its fuzzy mapping."""
     config = FuzzyIkConfig(task="pose", control_rate=RATE, fused=True)
-    sharp = dataclasses.replace(config, law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05))
+    sharp = dataclasses.replace(config, law=FuzzyMapping.iterated())
     return {
         "fuzzy, the paper's law": (config, None),
         "fuzzy, 6 iterations": (sharp, None),

@@ -26,7 +26,7 @@ from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.simulation.scenario import Scenario, load_scenario
 
 SCENARIO = "table6_5s"
-POSE_LAW = FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
+POSE_LAW = FuzzyMapping.iterated()
 """What is recommended for poses."""
 VELOCITY_LIMIT = 2.0
 """Velocity limit of every joint, for Drake's usual set-up [rad/s]; the path needs less."""

@@ -87,6 +87,7 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
     law = fd.FuzzyMapping(
         iterations=iterations,
         damping=float(rng.choice([0.0, 1e-3, 0.1])) if iterations > 1 else 0.0,
+        error_damping=float(rng.choice([0.0, 3.0])) if iterations > 1 else 0.0,
         row_floor=float(rng.choice([0.0, 0.05])),
         column_floor=float(rng.choice([0.0, 0.05])),
     )

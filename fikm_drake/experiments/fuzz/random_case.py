@@ -74,6 +74,7 @@ def random_law(rng: np.random.Generator, scale: float) -> Any:
     return fd.FuzzyMapping(
         iterations=iterations,
         damping=float(rng.choice([0.0, 1e-3, 0.1])) if iterations > 1 else 0.0,
+        error_damping=float(rng.choice([0.0, 3.0])) if iterations > 1 else 0.0,
         row_floor=float(rng.choice([0.0, 0.01, 0.3])),
         column_floor=float(rng.choice([0.0, 0.01, 0.3])),
     )

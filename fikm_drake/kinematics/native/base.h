@@ -2,6 +2,8 @@
 
 const char fikm_source[] = SOURCE;
 
+#define MOST_ERROR_DAMPING 1.0
+
 static void divisors(double *sums, int count, double floor_, double zero) {
     double most = 0.0;
     for (int i = 0; i < count; i++) most = fmax(most, sums[i]);
@@ -15,8 +17,8 @@ static void divisors(double *sums, int count, double floor_, double zero) {
  * `normal_equations_of_one`; `extra` damping is a floor of the rows in the former. 1: the equations are
  * nearly singular, iterations do better. */
 int fikm_step(int m, int n, const double *J, const double *dr, double row_floor, double column_floor,
-              double zero, double damping, double extra, double growth, double *dq) {
-    double R[6] = {0.0}, C[MAX_JOINTS] = {0.0}, M[6][6], y[6], before = 0.0, after = 0.0;
+              double zero, double damping, double error_damping, double extra, double growth, double *dq) {
+    double R[6] = {0.0}, C[MAX_JOINTS] = {0.0}, M[6][6], y[6], before = 0.0, after = 0.0, turn = 0.0;
     if (growth > 0.0) damping = hypot(damping, extra);
     else row_floor = hypot(row_floor, extra);
     for (int i = 0; i < m; i++)
@@ -25,6 +27,9 @@ int fikm_step(int m, int n, const double *J, const double *dr, double row_floor,
     divisors(C, n, column_floor, zero);
     for (int i = 0; i < m; i++) y[i] = growth > 0.0 ? dr[i] : dr[i] / R[i];
     if (growth > 0.0) {
+        for (int i = 0; i < m; i++) turn += dr[i] / R[i] * (dr[i] / R[i]);
+        if (error_damping > 0.0)
+            damping = hypot(damping, fmin(error_damping * sqrt(turn), MOST_ERROR_DAMPING));
         for (int i = 0; i < m; i++) {
             for (int k = 0; k <= i; k++) {
                 M[i][k] = 0.0;

@@ -4,7 +4,7 @@
  * that are nearly singular) is left to Python: then nothing has been written.
  */
 enum { C_ROWS, C_JOINTS, C_LONGEST, C_SURE, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_ROW_FLOOR,
-       C_COLUMN_FLOOR, C_ZERO, C_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
+       C_COLUMN_FLOOR, C_ZERO, C_DAMPING, C_ERROR_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
 /* Then eight vectors of `Limits`, the chain, and for a whole cycle these, the supervisor's, the search's. */
 enum { K_ERROR_LIMIT, K_GAIN_SMOOTHING, K_ERROR_SMOOTHING, K_RATE, K_MEASURED, K_DAMPED, K_COUNT };
 
@@ -19,8 +19,8 @@ static Limits limits_of(const double *o, int n) {
 }
 
 static int law(const double *o, int m, int n, const double *J, const double *d, double extra, double *step) {
-    return fikm_step(m, n, J, d, o[C_ROW_FLOOR], o[C_COLUMN_FLOOR], o[C_ZERO], o[C_DAMPING], extra,
-                     o[C_GROWTH], step);
+    return fikm_step(m, n, J, d, o[C_ROW_FLOOR], o[C_COLUMN_FLOOR], o[C_ZERO], o[C_DAMPING],
+                     o[C_ERROR_DAMPING], extra, o[C_GROWTH], step);
 }
 
 static void shorten_to(double *step, int n, double longest) {

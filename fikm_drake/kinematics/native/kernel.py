@@ -71,7 +71,7 @@ class Kernel:
         self.solve.restype = _INT
         self.clear.argtypes, self.clear.restype = [_POINTER, _INT], _INT
         self.clear_size.argtypes, self.clear_size.restype = [], _LONG
-        self.step.argtypes = [_INT, _INT, _POINTER, _POINTER, *[_DOUBLE] * 6, _POINTER]
+        self.step.argtypes = [_INT, _INT, _POINTER, _POINTER, *[_DOUBLE] * 7, _POINTER]
         self.step.restype = _INT
         curve: list[Any] = [_POINTER, _INT, _POINTER, _INT, _INT, *[_POINTER] * 4]
         self.newton.argtypes = [*curve, _POINTER, _POINTER, _DOUBLE, _POINTER]

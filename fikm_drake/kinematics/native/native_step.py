@@ -31,6 +31,7 @@ class NativeStep(threading.local):
         column_floor: float,
         zero_threshold: float,
         damping: float,
+        error_damping: float,
         extra: float,
         growth: float,
     ) -> Array | None:
@@ -51,6 +52,7 @@ class NativeStep(threading.local):
         rows[:], error[:] = J, dr
         failed = self._step(
             *(m, n, at_rows, at_error),
-            *(row_floor, column_floor, zero_threshold, damping, extra, growth, at_step),
+            *(row_floor, column_floor, zero_threshold, damping, error_damping),
+            *(extra, growth, at_step),
         )
         return None if failed else step.copy()

@@ -233,7 +233,7 @@ def _supervised_status(logged: Mapping[str, Array], error: Array) -> ControllerS
 
 def _for_poses() -> FuzzyIkConfig:
     """What `controller: fuzzy` takes for poses, where the paper's law is slow."""
-    return FuzzyIkConfig(law=FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05))
+    return FuzzyIkConfig(law=FuzzyMapping.iterated())
 
 
 Controller = Fuzzy | Frmrc | SupervisedDrake | LabVolt | Redundancy | Integer | str

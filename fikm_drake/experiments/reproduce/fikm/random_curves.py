@@ -206,7 +206,7 @@ def spread() -> Section:
         "(1 − 1/K) v T, and with gain 1 the filter of the error starts late. Without filters, gain 1, it",
         f"meets the paper after the step; claimed: on at least {CLAIMED} % of the curves. No gain meets the",
         "means of figures 13 and 16 by both conventions: late by v T / K before the step, off by |1/K − 1|",
-        "v T after it, v T = 1.33 and 2.42 cm. Why the default stays all the same: `--only default`.",
+        "v T after it, v T = 1.33 and 2.42 cm. What the default has over it: `--only default`.",
     ]
     title = f"{CURVES} random curves beside each curve of our choice"
     return Section("spread", title, cells, notes, {"fikm_spread": picture})
