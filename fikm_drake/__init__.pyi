@@ -130,6 +130,7 @@ from fikm_drake.systems.null_space_motion import NullSpaceMotion
 from fikm_drake.systems.redundancy_ik import RedundancyIk
 from fikm_drake.systems.restart_planner import RestartPlanner
 from fikm_drake.systems.slow_feedback import SlowFeedback
+from fikm_drake.systems.speed_limiter import SpeedLimiter
 from fikm_drake.systems.status_monitor import StatusMonitor
 from fikm_drake.systems.target_in_frame import TargetInFrame
 from fikm_drake.systems.target_source import TargetSource
@@ -241,6 +242,7 @@ __all__ = [
     "SerialChain",
     "SimulationStopped",
     "SlowFeedback",
+    "SpeedLimiter",
     "Solution",
     "Solver",
     "SolverStatus",

@@ -1,4 +1,4 @@
-"""A point that follows another at limited speed and acceleration."""
+"""A point that follows another at limited speed, with or without a limit of acceleration."""
 
 import numpy as np
 
@@ -38,3 +38,19 @@ def follow(
     wanted = np.minimum(np.maximum(target_velocity + approach, -speed), speed)
     velocity = np.minimum(np.maximum(wanted, velocity - gain), velocity + gain)
     return position + step * velocity, velocity
+
+
+def straight_toward(position: Array, goal: Array, most: Array) -> Array:
+    """A goal, or as far as one step goes straight toward it.
+
+    Args:
+        position: (n,) [rad or m].
+        goal: (n,) [rad or m].
+        most: what each element goes at the most, positive (n,) [rad or m].
+
+    Returns:
+        (n,); exactly `goal` where that is within one step.
+    """
+    way = goal - position
+    steps = float((np.abs(way) / most).max())
+    return goal if steps <= 1.0 else position + way / steps

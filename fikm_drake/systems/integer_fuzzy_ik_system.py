@@ -42,7 +42,7 @@ class IntegerFuzzyIkSystem(LeafSystem):
 
     - **desired_position** (3) [m]: x, y, z in the world.
     - **commanded_position** (n) [rad]: the joint command, from the state. While the input is NaN or
-      infinite, the last good command.
+      infinite, the last good command. It jumps as the target does; a `SpeedLimiter` makes a way of it.
     - **status** (1): an `IntegerFuzzyIkStatus` of that command, from the state.
 
     Args:

@@ -41,7 +41,8 @@ class LabVoltIk(LeafSystem):
     - **commanded_position** (4) [rad]: joints of `models/labvolt5250.urdf`, which put the tool on the target.
     - **angles** (4) [rad]: the same as the LabVolt counts them: yaw, then θ_1, θ_2, θ_3 from the horizontal.
     - **status** (1): a `LabVoltStatus`. SOLVED: reached; FELL_BACK: reached, but the last
-      solution was no good start, so others were tried and the arm may jump. TURNED: reached at
+      solution was no good start, so others were tried and the arm may jump, which a `SpeedLimiter` makes a
+      way of. TURNED: reached at
       another approach angle. Else (UNREACHABLE,
       INVALID_INPUT: NaN or infinite) it stays as it was at the last tick that reached its target.
 

@@ -32,8 +32,8 @@ class RedundancyIk(LeafSystem):
     - **status** (1): `ResolutionStatus` of the last period, from the state.
 
     While the point is infeasible or not finite, position and bounds stay those of the last good point, and
-    `status` says so. The arm may then have some way to go to the first good point: a block that
-    limits speed belongs behind this one where that happens. Without learned bounds each period traces
+    `status` says so. The arm may then have some way to go to the first good point: put a
+    `SpeedLimiter` behind this block where that happens. Without learned bounds each period traces
     a self-motion, which takes 20 ms and more: for simulation, not for control.
 
     Args:

@@ -95,6 +95,7 @@ MAKERS = {
         fd.RedundancyResolver(fd.load_arm("hassantabar3r")), period=PERIOD
     ),
     "SlowFeedback": lambda p: fd.SlowFeedback(7, period=PERIOD),
+    "SpeedLimiter": lambda p: fd.SpeedLimiter([1.0], period=PERIOD),
     "StatusMonitor": lambda p: fd.StatusMonitor(
         3, restart_search=True, blocked=True, smoothed=True
     ),
