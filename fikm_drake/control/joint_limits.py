@@ -52,12 +52,12 @@ class JointLimits:
         acceleration_limits: ArrayLike = inf,
     ) -> None:
         self.lower, self.upper = np.maximum(lower, -FARTHEST), np.minimum(upper, FARTHEST)
-        self._period = period
+        self.period = period
         n = len(self.lower)
         self.fastest = each_limit("velocity_limits", velocity_limits, n) * period
         self._slowest = -self.fastest
-        self._change = each_limit("acceleration_limits", acceleration_limits, n) * period**2
-        self.brakes = bool(np.isfinite(self._change).any())
+        self.change = each_limit("acceleration_limits", acceleration_limits, n) * period**2
+        self.brakes = bool(np.isfinite(self.change).any())
         """Whether a joint has a limit of acceleration."""
         self._fast = bool(np.isfinite(self.fastest).any())
         self._all_may = float(self.fastest.min())
@@ -102,8 +102,8 @@ class JointLimits:
         """The bounds of `steady_bounds`, narrowed to what acceleration allows after the last step."""
         if not self.brakes:
             return low, high
-        last = velocity * self._period
-        slower, faster = last - self._change, last + self._change
+        last = velocity * self.period
+        slower, faster = last - self.change, last + self.change
         return (
             np.minimum(np.maximum(low, slower), high),
             np.maximum(np.minimum(high, faster), low),
@@ -163,7 +163,7 @@ class JointLimits:
         A step s in k·change ≤ s < (k + 1)·change and the shorter ones that follow, each by `change`,
         cover (k + 1) s − ½ k (k + 1)·change.
         """
-        a = self._change
+        a = self.change
         with np.errstate(invalid="ignore"):
             k = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * distance / a) - 1.0))
             step = distance / (k + 1.0) + 0.5 * k * a
@@ -171,11 +171,11 @@ class JointLimits:
 
     def braked_in(self, cycles: float) -> Array:
         """The longest step (n,) that is braked to nothing in so many cycles [rad or m]."""
-        return cycles * self._change
+        return cycles * self.change
 
     def braking_cycles(self, step: Array) -> Array:
         """Cycles in which a step of these lengths (n,) is braked to nothing (n,) [-]."""
-        return step / self._change
+        return step / self.change
 
 
 class StepBox:

@@ -32,9 +32,9 @@ PARTS = {
 class NativeCycle(threading.local):
     """`ControlCycle.tick` and `advance` as one call, for the configurations that `native_cycle` takes.
 
-    It leaves to them each cycle in which an input is not finite, the law's equations are nearly singular,
-    or, where no obstacle is near, a limit takes a part of the step away. A restart search
-    that finds nothing to do costs what its watch does. The buffers are one set for each thread.
+    It leaves to them each cycle in which an input is not finite or the law's equations are nearly singular.
+    A restart search that finds nothing to do costs what its watch does. The buffers are one set for each
+    thread.
 
     Args:
         loaded: the kernel.
@@ -96,7 +96,7 @@ class NativeCycle(threading.local):
         Returns:
             False if this cycle is not one of the ordinary; then nothing is changed.
         """
-        done, _ = self._do(command, memory, target, q, others, False)
+        done, _ = self._do(command, velocity, memory, target, q, others, False)
         if not done:
             return False
         command[:], velocity[:], memory[:] = self._command, self._velocity, self._memory
@@ -108,10 +108,16 @@ class NativeCycle(threading.local):
         return True
 
     def tick(
-        self, command: Array, memory: Array, target: Any, q: Array, others: Array | None = None
+        self,
+        command: Array,
+        velocity: Array,
+        memory: Array,
+        target: Any,
+        q: Array,
+        others: Array | None = None,
     ) -> Tick | None:
         """A tick; nothing is changed. The arguments are those of `advance`; None for False."""
-        done, cleared = self._do(command, memory, target, q, others, True)
+        done, cleared = self._do(command, velocity, memory, target, q, others, True)
         if not done:
             return None
         parts = np.split(self._computed.copy(), np.cumsum([*PARTS.values()])[:-1])
@@ -128,6 +134,7 @@ class NativeCycle(threading.local):
     def _do(
         self,
         command: Array,
+        velocity: Array,
         memory: Array,
         target: Any,
         q: Array,
@@ -136,7 +143,8 @@ class NativeCycle(threading.local):
     ) -> tuple[int, ClearanceInfo]:
         """What the kernel answers, which has the state of its own, and what obstacles did."""
         self._target[:], self._q[:] = self._numbers(target), q
-        self._command[:], self._memory[:] = command, memory  # sooner done than to ask for addresses
+        # Sooner done than to ask for addresses.
+        self._command[:], self._velocity[:], self._memory[:] = command, velocity, memory
         at_way = None
         if self._restart and memory.item(self._search.start) == UNDERWAY:
             self._way[:] = self._restart.step(memory[self._search], self._q, self._way)
@@ -175,7 +183,7 @@ def native_cycle(cycle: ControlCycle) -> NativeCycle | None:
     """The kernel's cycle for an ordinary configuration, or None: `ControlCycle` does it.
 
     Ordinary are tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without limits of acceleration and secondary motion.
+    iteration or with as many as there are rows, without secondary motion.
     """
     loaded, task, law, config = kernel(), cycle.task, cycle.law, cycle.config
     if not (loaded and isinstance(task, PlantTask) and cycle.supervision.native):

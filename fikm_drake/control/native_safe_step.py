@@ -1,17 +1,21 @@
-"""The joint step of a filtered error by the native kernel, wherever no limit takes a part of it away."""
+"""The joint step of a filtered error inside the limits of the joints, by the native kernel."""
 
 import threading
 
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.control.joint_limits import SURE, JointLimits
+from fikm_drake.control import saturation
+from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.safe_step import PASSES, UNMOVED, SafeStep
 from fikm_drake.kinematics.native.kernel import Kernel, address, kernel
 from fikm_drake.kinematics.task_kinematics import PlantTask, TaskKinematics
 from fikm_drake.laws import Law
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.normal_equations import LARGEST_GROWTH
+
+LIMITED = 2
+"""What the kernel answers where limits take a part of the step away; 0: it leaves the step to Python."""
 
 
 class NativeSafeStep(threading.local):
@@ -21,7 +25,7 @@ class NativeSafeStep(threading.local):
 
     Args:
         loaded: the kernel.
-        options: as `native/cycle.h` lists them.
+        options: as `native/safe_step.h` lists them.
         num_rows: m.
         num_joints: n.
     """
@@ -36,17 +40,21 @@ class NativeSafeStep(threading.local):
         self._at = tuple(map(address, (options, self._command, self._q, self._error)))
         self._at_step = address(self._step)
 
-    def __call__(self, q: Array, error: Array, command: Array, damping: float) -> Array | None:
-        """The joint step (n,) [rad or m], or None: Python does it.
+    def __call__(
+        self, q: Array, error: Array, command: Array, damping: float, *, resolved: bool = True
+    ) -> tuple[Array, bool] | None:
+        """The joint step (n,) [rad or m] and whether limits took a part of it away, or None: Python does it.
 
         Args:
             q: joint positions (n,) [rad or m].
             error: filtered error (m,) [m].
             command: joint positions (n,) [rad or m].
             damping: 0 for none [-].
+            resolved: see `SafeStep.inside`.
         """
         self._q[:], self._error[:], self._command[:] = q, error, command
-        return self._step if self._run(*self._at, damping, self._at_step) else None
+        done = self._run(*self._at, damping, not resolved, self._at_step)
+        return (self._step, done == LIMITED) if done else None
 
 
 def native_safe_step(
@@ -62,28 +70,24 @@ def native_safe_step(
 def step_options(
     task: TaskKinematics, law: Law, safe_step: SafeStep, limits: JointLimits
 ) -> Array | None:
-    """What `native/cycle.h` is told of a step; None where it does not know the law, the task or the limits.
+    """What `native/safe_step.h` is told of a step; None where it does not know law, task or limits.
 
     It knows tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without limits of acceleration and posture.
+    iteration or with as many as there are rows, without posture.
     """
     if not isinstance(task, PlantTask) or task.native is None:
         return None
     if type(law) is not FuzzyMapping or law.method != "indirect" or 1 < law.iterations < task.size:
         return None
-    if limits.brakes or safe_step.posture is not None:
+    if safe_step.posture is not None:
         return None
     n, near, turns = task.arm.num_joints, safe_step.limits, task.native.options
-    step: list[float] = [
-        task.size,
-        n,
-        safe_step.longest,
-        SURE,
-        safe_step.dead,
-        safe_step.side_step,
-    ]
-    step += [UNMOVED, near is not None, PASSES, law.row_floor, law.column_floor, law.zero_threshold]
-    step += [law.damping, law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
+    step: list[float] = [task.size, n, safe_step.longest, safe_step.dead, safe_step.side_step]
+    step += [UNMOVED, near is not None, PASSES, limits.brakes, limits.period, saturation.PASSES]
+    step += [saturation.GAIN, saturation.BRAKING_GAIN, saturation.TINY]
+    step += [law.row_floor, law.column_floor, law.zero_threshold, law.damping]
+    step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
-    arrays = (limits.lower, limits.upper, limits.fastest, *zones, task.native.packed)
+    each = limits.lower, limits.upper, limits.fastest, limits.change
+    arrays = (*each, *zones, task.native.packed)
     return np.concatenate([np.array(step, dtype=float), *arrays])

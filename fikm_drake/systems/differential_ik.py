@@ -156,15 +156,16 @@ class DifferentialIk(LeafSystem):
         if lost:
             return self._hold, False
         q = self._position(context)
+        alone = self._near is None or self._near(context)[0] == 0.0
         if self._native:
-            step = self._native(q, error, self._command(context), damping or 0.0)
-            if step is not None:
-                return step, False
+            command = self._command(context)
+            done = self._native(q, error, command, damping or 0.0, resolved=alone)
+            if done:
+                return done
         if not (all_finite(error) and all_finite(q)):
             return self._hold, False
         J = self._task.jacobian(q)
         if self._limits is None:
             return self._safe_step(q, J, error, damping), False
         box = StepBox(self._limits, self._command(context))
-        alone = self._near is None or self._near(context)[0] == 0.0
         return self._safe_step.inside(q, J, error, box, damping, resolved=alone)

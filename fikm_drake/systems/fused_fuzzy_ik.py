@@ -165,12 +165,12 @@ class FusedFuzzyIk(LeafSystem):
         return CycleState(command, velocity, *[memory[part] for part in self._parts])
 
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
-        parts = [context.get_discrete_state(i).value() for i in range(3)]
-        state = self._state(*parts)
-        target, q, others = self._inputs(context, state.command)
+        command, velocity, memory = (context.get_discrete_state(i).value() for i in range(3))
+        state = self._state(command, velocity, memory)
+        target, q, others = self._inputs(context, command)
         motion = _value(self._motion, context)
         if self._native and motion is None:
-            tick = self._native.tick(state.command, parts[2], target, q, others)
+            tick = self._native.tick(command, velocity, memory, target, q, others)
             if tick:
                 return state, tick
         tick = self._cycle.tick(state, target, q, others=others, null_space_motion=motion)

@@ -111,7 +111,6 @@ def test_a_long_run_equals_numpys(arm, task, law, target, counted):
     "options",
     [
         {"posture_rate": 0.5},
-        {"acceleration_limits": [3.0]},
         {"law": fd.FuzzyMapping(iterations=2)},
         {"law": fd.DampedLeastSquares()},
     ],
@@ -140,7 +139,7 @@ def test_a_bad_input_is_left_and_nothing_is_written(bad):
         own = [state.command.copy(), state.velocity.copy(), packed(state)]
         before = [part.copy() for part in own]
         assert not native.advance(*own, target, q)
-        assert native.tick(own[0], own[2], target, q) is None
+        assert native.tick(*own, target, q) is None
         for part, old in zip(own, before):
             np.testing.assert_array_equal(part, old)
 
@@ -152,7 +151,7 @@ def run_beside(plain, native, state, target, cycles, others=lambda k: None):
         own = [state.command.copy(), state.velocity.copy(), packed(state)]
         before = RestartState(int(own[2][place])) if plain.restart else None
         at = others(k)
-        seen = native.tick(own[0], own[2], target, own[0].copy(), at)
+        seen = native.tick(*own, target, own[0].copy(), at)
         done = native.advance(*own, target, state.command, at)
         with numpy_only():
             tick = plain.tick(state, target, state.command, others=at)
@@ -238,9 +237,9 @@ def test_threads_do_not_share_buffers(in_threads):
         start = np.random.default_rng(seed).uniform(-0.5, 0.5, 7)
         target, state = np.array([0.5, 0.1 * seed, 0.4]), cycle.start(start)
         memory = packed(state)
-        first = native.tick(state.command, memory, target, state.command)
+        first = native.tick(state.command, state.velocity, memory, target, state.command)
         for _ in range(300):
-            tick = native.tick(state.command, memory, target, state.command)
+            tick = native.tick(state.command, state.velocity, memory, target, state.command)
             np.testing.assert_array_equal(tick.command, first.command)
 
     in_threads(run)

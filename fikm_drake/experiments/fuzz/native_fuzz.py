@@ -56,7 +56,7 @@ def _compare(
 ) -> Iterator[Violation]:
     """A cycle on both sides; the state after it is Python's."""
     command, velocity, memory = state.command.copy(), state.velocity.copy(), packed(state)
-    seen = native.tick(command, memory, target, q)
+    seen = native.tick(command, velocity, memory, target, q)
     done = native.advance(command, velocity, memory, target, q)
     tick = reference.tick(state, target, q)
     before = *(part.copy() for part in state[:2]), packed(state)
@@ -100,7 +100,6 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
         config,
         law=law,
         task=str(rng.choice(TASKS)),
-        acceleration_limits=[],
         restart_search=bool(rng.random() < 0.5),
         posture_rate=0.0,
     )

@@ -25,6 +25,7 @@ SOURCES = (
         "clearance.h",
         "supervision.h",
         "task.h",
+        "safe_step.h",
         "restart.h",
         "cycle.h",
     ),

@@ -318,6 +318,7 @@ int PASTE(fikm_solve, ISA)(const double *chain, int n, const double *o, const do
 #include "clearance.h"
 #include "supervision.h"
 #include "task.h"
+#include "safe_step.h"
 #include "restart.h"
 #include "cycle.h"
 #endif

@@ -82,7 +82,7 @@ class Kernel:
         self.gain.argtypes, self.gain.restype = [_POINTER, _POINTER, _DOUBLE], _DOUBLE
         self.remember_turns.argtypes, self.remember_turns.restype = [_POINTER] * 5, _INT
         self.remember_motion.argtypes, self.remember_motion.restype = [_POINTER] * 6, None
-        self.step_at.argtypes = [*[_POINTER] * 4, _DOUBLE, _POINTER]
+        self.step_at.argtypes = [*[_POINTER] * 4, _DOUBLE, _INT, _POINTER]
         self.step_at.restype = _INT
         self.cycle_size.argtypes, self.cycle_size.restype = [], _LONG
         self.cycle.argtypes, self.cycle.restype = [*[_POINTER] * 7, _INT, _POINTER], _INT
