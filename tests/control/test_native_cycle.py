@@ -8,6 +8,7 @@ import pytest
 from pydrake.math import RigidTransform
 
 import fikm_drake as fd
+from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.native_cycle import (
     PARTS,
     NativeCycle,
@@ -15,6 +16,7 @@ from fikm_drake.control.native_cycle import (
     packed,
     search_place,
 )
+from fikm_drake.control.native_safe_step import native_safe_step
 from fikm_drake.control.restart_search import RestartState
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.fuzz.native_fuzz import native_case
@@ -227,6 +229,51 @@ def test_a_search_in_a_free_world_equals_pythons(measured):
     assert all(found[s] > 5 for s in (RestartState.NONE, RestartState.UNDERWAY)), found
     assert found[RestartState.SEARCHING]
     assert np.linalg.norm(plain.task.error(target, state.command)) < 1e-3
+
+
+@pytest.mark.parametrize("arm", ["arm7", "ur5"])
+@pytest.mark.parametrize("acceleration", [2.0, 30.0])
+@pytest.mark.parametrize("task", ["position", "pose"])
+def test_limits_that_take_a_part_equal_pythons(arm, acceleration, task):
+    """Far targets, one after the other, of slow joints: saturated, braked, cut off by the guard."""
+    options = {"acceleration_limits": [acceleration], "velocity_limits": [0.8], "law": POSE_LAW}
+    cycle = make_cycle(arm, task, **options)
+    with numpy_only():
+        plain = fd.ControlCycle(cycle.task, cycle.config)
+    rng, done = np.random.default_rng(0), 0
+    lower, upper = np.maximum(plain.task.arm.lower, -2.0), np.minimum(plain.task.arm.upper, 2.0)
+    state = plain.start(rng.uniform(lower, upper))
+    for _ in range(5):
+        pose = plain.task.arm.pose(plain.task.arm.context_at(rng.uniform(lower, upper)))
+        target = pose if task == "pose" else pose.translation()
+        found = run_beside(plain, native_cycle(cycle), state, target, 60)
+        done += found["done"]
+    assert done > 280
+
+
+@pytest.mark.parametrize("resolved", [False, True])
+@pytest.mark.parametrize("acceleration", [np.inf, 5.0])
+def test_a_step_inside_limits_equals_pythons(resolved, acceleration):
+    """The block of the Diagram: the step before the guard, obstacles near or not."""
+    cycle = make_cycle("iiwa14", "pose", law=POSE_LAW)
+    arm, law, rng = cycle.task.arm, cycle.law, np.random.default_rng(1)
+    limits = JointLimits(
+        arm.lower, arm.upper, period=0.01, velocity_limits=1.0, acceleration_limits=acceleration
+    )
+    native = native_safe_step(cycle.task, law, cycle.safe_step, limits)
+    taken = Counter()
+    for _ in range(300):
+        q = rng.uniform(np.maximum(arm.lower, -3.0), np.minimum(arm.upper, 3.0))
+        q[0] = arm.upper[0] - rng.choice([0.0, 0.002, 0.5])
+        error = rng.normal(size=6) * 10.0 ** rng.uniform(-6.0, 0.0)
+        done = native(q, error, q, 0.1, resolved=resolved)
+        with numpy_only():
+            J, box = cycle.task.jacobian(q), StepBox(limits, q)
+            step, limited = cycle.safe_step.inside(q, J, error, box, 0.1, resolved=resolved)
+        np.testing.assert_allclose(done[0], step, rtol=1e-9, atol=1e-12)
+        assert done[1] == limited
+        taken[limited] += 1
+    assert min(taken.values()) > 30
 
 
 def test_threads_do_not_share_buffers(in_threads):

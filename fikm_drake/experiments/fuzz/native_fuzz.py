@@ -94,12 +94,14 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
     config = random_config(rng, arm)
     if rng.random() < 0.7:
         config.velocity_limits, config.max_joint_step = [], 0.5
+    if rng.random() < 0.7:
+        config.acceleration_limits, config.jerk_limits = [], []
     if rng.random() < 0.6:  # calms more often than one of any constants
         config.supervisor = fd.GainSupervisorConfig()
     return dataclasses.replace(
         config,
         law=law,
         task=str(rng.choice(TASKS)),
-        restart_search=bool(rng.random() < 0.5),
+        restart_search=bool(rng.random() < 0.3),
         posture_rate=0.0,
     )

@@ -1,9 +1,8 @@
 /* The step of a law inside the limits of its joints: control/safe_step.py, joint_limits.py, saturation.py
  * and guard.py, which tell the mathematics. A law that Python does better there gives 0: left to Python. */
 enum { C_ROWS, C_JOINTS, C_LONGEST, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_BRAKES, C_PERIOD,
-       C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO, C_DAMPING, C_ERROR_DAMPING,
-       C_GROWTH,
-       C_TASK, C_LOWER = C_TASK + T_COUNT };
+       C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO, C_DAMPING,
+       C_ERROR_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
 
 /* The joints' limits and what is worked out of them, (n) each, then the chain. */
 typedef struct {
@@ -86,16 +85,21 @@ static int brakeable(const double *o, const Limits *l, double *step, int n) {
 }
 
 /* The steps that limits of position and speed allow in this cycle: `JointLimits.steady_bounds`. */
-static void steady_bounds(const double *o, const Limits *l, const double *command, double *low, double *high) {
+static void steady_bounds(const double *o, const Limits *l, const double *command, double *low,
+                          double *high) {
     for (int j = 0; j < (int)o[C_JOINTS]; j++) {
         low[j] = fmin(l->lower[j] - command[j], 0.0), high[j] = fmax(l->upper[j] - command[j], 0.0);
-        if (o[C_BRAKES] != 0.0) low[j] = -braking(-low[j], l->change[j]), high[j] = braking(high[j], l->change[j]);
+        if (o[C_BRAKES] != 0.0) {
+            low[j] = -braking(-low[j], l->change[j]);
+            high[j] = braking(high[j], l->change[j]);
+        }
         low[j] = fmax(low[j], -l->fastest[j]), high[j] = fmin(high[j], l->fastest[j]);
     }
 }
 
 /* The same, narrowed to what acceleration allows after the last step: `changing_bounds`. */
-static void changing_bounds(const double *o, const Limits *l, const double *velocity, double *low, double *high) {
+static void changing_bounds(const double *o, const Limits *l, const double *velocity, double *low,
+                            double *high) {
     for (int j = 0; o[C_BRAKES] != 0.0 && j < (int)o[C_JOINTS]; j++) {
         double last = velocity[j] * o[C_PERIOD], least = low[j], most = high[j];
         low[j] = fmin(fmax(least, last - l->change[j]), most);
@@ -137,8 +141,10 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
         }
         if (!any_free) break;
         for (int j = 0; j < n; j++) if (free_[j]) cycles = fmax(cycles, longest[j] / l->change[j]);
-        for (int j = 0; j < n; j++)
-            if (slow[j]) fixed[j] = copysign(fmin(fabs(trial[j]), fmin(longest[j], cycles * l->change[j])), trial[j]);
+        for (int j = 0; j < n; j++) {
+            double longest_ = fmin(longest[j], cycles * l->change[j]);
+            if (slow[j]) fixed[j] = copysign(fmin(fabs(trial[j]), longest_), trial[j]);
+        }
         task_motion(law, fixed, left);
         for (int i = 0; i < m; i++) left[i] = error[i] - left[i];
         if (!solve(law, left, free_, more)) return -1;
@@ -158,8 +164,8 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
 
 /* `resolve` of a step in place, whose alternative is the step shortened to the speed of the joints. 0: left
  * to Python. */
-static int resolve(const Law *law, const Limits *l, const double *error, const double *low, const double *high,
-                   double gain, double *step) {
+static int resolve(const Law *law, const Limits *l, const double *error, const double *low,
+                   const double *high, double gain, double *step) {
     const double *o = law->o;
     const int n = law->n, m = law->m, most = n < (int)o[C_RESOLVES] ? n : (int)o[C_RESOLVES];
     double in[MAX_JOINTS], kept[MAX_JOINTS], fixed[MAX_JOINTS] = {0.0}, trial[MAX_JOINTS], more[MAX_JOINTS];
