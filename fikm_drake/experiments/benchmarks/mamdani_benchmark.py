@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from statistics import median
-from typing import Any
 
 import numpy as np
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
-from fikm_drake.fuzzy.fuzzy_variable import NOT
+from fikm_drake.fuzzy.fuzzy_variable import NOT, FuzzyVariable
 from fikm_drake.fuzzy.mamdani import MamdaniConfig, MamdaniSystem, load_mamdani
 
 SYSTEM = "labvolt_theta3"
@@ -178,20 +177,23 @@ def _ours(config: MamdaniConfig) -> Evaluate:
     return lambda x: system(x).values[..., 0]
 
 
+def _universe(variable: FuzzyVariable, config: MamdaniConfig) -> Array:
+    return np.linspace(variable.lower, variable.upper, config.samples)
+
+
 def _peer(config: MamdaniConfig) -> Evaluate:
     """The same system of scikit-fuzzy, with as many samples."""
     control = import_module("skfuzzy.control")
-    variables: dict[str, Any] = {}
+    method = PEER_METHODS[config.defuzzification]
+    inputs = {v.name: control.Antecedent(_universe(v, config), v.name) for v in config.inputs}
+    outputs = {
+        v.name: control.Consequent(_universe(v, config), v.name, defuzzify_method=method)
+        for v in config.outputs
+    }
+    variables = {**inputs, **outputs}
     for variable in [*config.inputs, *config.outputs]:
-        universe = np.linspace(variable.lower, variable.upper, config.samples)
-        if variable in config.inputs:
-            peer = control.Antecedent(universe, variable.name)
-        else:
-            method = PEER_METHODS[config.defuzzification]
-            peer = control.Consequent(universe, variable.name, defuzzify_method=method)
         for label, shape in variable.memberships.items():
-            peer[label] = shape(universe)
-        variables[variable.name] = peer
+            variables[variable.name][label] = shape(_universe(variable, config))
     rules = []
     for rule in config.rules:
         first, second = (

@@ -5,13 +5,12 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from statistics import median
 
 import numpy as np
 
-from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.batch_benchmark import SEEDS
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
+from fikm_drake.experiments.benchmarks.interleaved import jacobian_time
 from fikm_drake.kinematics.dh_arm import DhArm
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.native.kernel import kernel_description
@@ -110,20 +109,9 @@ def _cost(arm: DhArm, name: str, count: int, seed: int) -> ManyCost:
         1e6 * cpu / count,
         1e6 * wall / count,
         cycles,
-        (cycles + 1.0) * _kinematics(arm, solution.q),
+        1e6 * (cycles + 1.0) * jacobian_time(arm, solution.q),
         max(_peak() - before - kept, 0) / 1e6,
     )
-
-
-def _kinematics(arm: DhArm, q: Array) -> float:
-    """CPU time of a Jacobian, with the forward kinematics that it needs, in a batch [µs]."""
-    rows, times = q[:512], []  # in the cache
-    for _ in range(20):
-        start = time.process_time()
-        for _ in range(10):
-            arm.jacobian(rows)
-        times.append((time.process_time() - start) / (10 * len(rows)))
-    return 1e6 * median(times)
 
 
 def _peak() -> int:

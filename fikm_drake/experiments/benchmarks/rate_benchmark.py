@@ -14,6 +14,7 @@ from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.task import Task
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
 from fikm_drake.laws.fuzzy_rate_control import FuzzyRateControl
+from fikm_drake.laws.jacobian_transpose import JacobianTranspose
 from fikm_drake.laws.law import Law
 from fikm_drake.laws.pseudo_inverse import PseudoInverse
 
@@ -51,6 +52,7 @@ def laws() -> dict[str, Law]:
         "paper": FuzzyRateControl("paper"),
         PINV: PseudoInverse(),
         DAMPED: DampedLeastSquares(),
+        "Jacobian transpose": JacobianTranspose(),  # two products, and hardly less can be done
     }
 
 

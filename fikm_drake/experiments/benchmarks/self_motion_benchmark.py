@@ -9,6 +9,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
+from fikm_drake.experiments.benchmarks.interleaved import jacobian_time
 from fikm_drake.experiments.reproduce.anfis.region import ARM
 from fikm_drake.experiments.reproduce.anfis.scan import scan_intervals
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
@@ -36,6 +37,8 @@ class RegionCost:
     """The largest difference of a bound [rad], or residual on a curve [m and rad]."""
     seconds: float
     """Mean CPU time a target [s]."""
+    limit: float = np.nan
+    """CPU time of as many Jacobians as its curve has points, at once and nothing else [s]; NaN: no curve."""
 
 
 def closed_form_against_scan(count: int) -> RegionCost:
@@ -91,19 +94,21 @@ def seven_joints(
     arm, rng = load_arm(name), np.random.default_rng(SEED + 2)
     tracer, plant = SelfMotionTracer(arm, "pose"), MakeDhArmPlant(arm)
     postures = rng.uniform(arm.lower, arm.upper, (count, arm.num_joints))
-    same, error, seconds = True, 0.0, 0.0
+    same, error, seconds, traced = True, 0.0, 0.0, 0
     for i, q in enumerate(postures):
         began = time.process_time()
         motion = tracer.trace(q)
         seconds += time.process_time() - began
         same &= motion.status == SelfMotionStatus.TRACED
         points = np.concatenate([component.q for component in motion.components])
+        traced += len(points)
         same &= bool(((points >= arm.lower - 1e-12) & (points <= arm.upper + 1e-12)).all())
         off = _poses(plant, points) - _poses(plant, q[None])
         error = max(error, float(np.abs(off).max()))
         if progress:
             progress((i + 1) / count)
-    return RegionCost(f"residual on the curves, {name}", count, same, error, seconds / count)
+    limit = traced / count * jacobian_time(arm, postures)
+    return RegionCost(f"residual on the curves, {name}", count, same, error, seconds / count, limit)
 
 
 def _poses(plant: MultibodyPlant, q: Array) -> Array:
@@ -125,10 +130,13 @@ def table(points: int, progress: Callable[[float], None]) -> BenchmarkTable:
         seven_joints("iiwa14", poses, lambda share: progress(0.5 + 0.3 * share)),
         seven_joints("panda", poses, lambda share: progress(0.8 + 0.2 * share)),
     ]
-    lines = [f"{'':40s} {'targets':>8s} {'all':>4s} {'largest error':>14s} {'CPU a target':>13s}"]
+    lines = [
+        f"{'':40s} {'targets':>8s} {'all':>4s} {'largest error':>14s} {'CPU a target':>13s} {'limit':>8s}"
+    ]
     lines += [
         f"{cost.label:40s} {cost.targets:8d} {'yes' if cost.same else 'NO':>4s} {cost.error:14.2e} "
         f"{1e3 * cost.seconds:10.4g} ms"
+        + (f" {1e3 * cost.limit:8.2f}" if np.isfinite(cost.limit) else "")
         for cost in costs
     ]
     return BenchmarkTable(lines, costs)
