@@ -251,7 +251,9 @@ class ControlCycle:
             self.restart.remember(state.restart, target, q, tick.error_length, others)
         elif self.restart:
             state.restart[:] = self.restart.initial_memory()
-        watched = self.supervision.remember_turns(state.supervision, tick.error, tick.joint_step)
+        watched = self.supervision.remember_turns(
+            state.supervision, tick.error, tick.joint_step, tick.error_length
+        )
         if watched:
             self.supervision.remember_motion(
                 state.supervision,

@@ -26,7 +26,7 @@ LONG_AGO = -1e9
 """Before any cycle."""
 
 HUGE = 1e100
-"""Longer errors and steps are not summed: their squares overflow [m, rad]."""
+"""Longer errors and steps are not summed: their squares overflow."""
 
 
 class WatchedMotion(NamedTuple):
@@ -114,9 +114,8 @@ class GainSupervision:
         place = places(fields)
         self._errors, self._signs, self._flips = place["errors"], place["signs"], place["flips"]
         self._motion = slice(self._flips.stop, None)
-        self._num_joints = num_joints
         self._window, self._slow_window = config.window, config.slow_window
-        self._threshold = config.sign_changes
+        self._num_joints, self._threshold = num_joints, config.sign_changes
         self._medium = float(config.error_breakpoints[1])
         self._dead_band = config.dead_band
         self._rule = CalmRule(config, damped=damped)
@@ -193,9 +192,15 @@ class GainSupervision:
             self.remember_motion(memory, motion, error, target, deviation)
 
     def remember_turns(
-        self, memory: Array, error: Array, joint_step: Array
+        self, memory: Array, error: Array, joint_step: Array, size: float | None = None
     ) -> WatchedMotion | bool:
         """The first part of `remember`, all that most cycles need: errors, and which joints turned round.
+
+        Args:
+            memory: what is changed.
+            error: the task error (m,) [m].
+            joint_step: (n,) [rad or m].
+            size: length of the error, where it is known [m].
 
         Returns:
             what `remember_motion` is to write at once, True where the native kernel keeps it; False while
@@ -204,7 +209,7 @@ class GainSupervision:
         if self.native:
             return self.native.remember_turns(memory, error, joint_step)
         known, calm, changes, watched = memory[:4].tolist()
-        size = length(error)
+        size = length(error) if size is None else size
         if 0.0 < size < inf:
             memory[self._errors.start + int(known) % self._window] = min(size, self._error_limit)
             memory[KNOWN] = known + 1.0

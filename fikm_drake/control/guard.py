@@ -7,7 +7,9 @@ import numpy as np
 from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_positive
 from fikm_drake.control.joint_limits import SURE, StepBox
-from fikm_drake.control.steps import length
+
+ROUNDED = 1.0 + 1e-14
+"""The square of a step that was shortened may be as much too long [-]: it is not shortened again."""
 
 
 class Guard:
@@ -40,7 +42,7 @@ class Guard:
 
     def surely_passes(self, step: Array, box: StepBox) -> bool:
         """True if a step (n,) is so short that it passes as it is; False says nothing."""
-        return box.surely_holds(step) and length(step) <= self.max_joint_step * SURE
+        return box.surely_holds(step, self.max_joint_step * SURE)
 
     def __call__(self, step: Array, low: Array, high: Array) -> Array:
         """The step (n,) that is taken [rad or m].
@@ -54,7 +56,7 @@ class Guard:
             return shortest(low, high)
         inside = np.minimum(np.maximum(step, low), high)
         longest = self.max_joint_step
-        if inside.dot(inside) <= longest * longest:
+        if inside.dot(inside) <= longest * longest * ROUNDED:
             return inside
         # From the shortest step of the box, along a straight line, up to the length.
         start = shortest(low, high)

@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from fikm_drake.arrays import Array, all_finite
+from fikm_drake.arrays import Array
 from fikm_drake.checks import check_not_negative, check_number, check_position, check_positive
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
@@ -67,7 +67,7 @@ class SafeStep:
             damping: for a law that takes it [-], else None.
         """
         step, _, _ = self._free(q, J, error, damping)
-        return self._short(step, error, J)
+        return self._short(step, length(error), J)
 
     def inside(
         self,
@@ -81,7 +81,7 @@ class SafeStep:
     ) -> tuple[Array, bool]:
         """The joint step (n,) inside limits [rad or m], and whether they took a part of it away.
 
-        Zeros, and nothing taken away, where the error is not finite (`arrays.all_finite`).
+        Zeros, and nothing taken away, where the error is not finite (`steps.length`).
 
         What a joint at its limit of position or speed may not do, or could not brake on the way that it
         has, the law does with the others, see `control.saturation`. How fast a step may change is left to
@@ -96,10 +96,11 @@ class SafeStep:
             resolved: False: the step keeps its direction, and limits are left to what follows, since
                 it knows of more than they are (`Clearance`).
         """
-        if not all_finite(error):
+        asked = length(error)
+        if asked == inf:
             return np.zeros(len(q)), False
         free, weights, secondary = self._free(q, J, error, damping)
-        short = self._short(free, error, J)
+        short = self._short(free, asked, J)
         if box.surely_holds(short):
             return short, False
         limits, (low, high) = box.limits, box.steady_bounds
@@ -148,17 +149,20 @@ class SafeStep:
             step = step + secondary
         return step, weights, secondary
 
-    def _short(self, step: Array, error: Array, J: Array) -> Array:
-        """The step, no longer than the longest, aside where it is dead, zeros if it is not finite."""
+    def _short(self, step: Array, asked: float, J: Array) -> Array:
+        """The step, no longer than the longest, aside where it is dead, zeros if it is not finite.
+
+        `asked` is the length of the error that it is for [m].
+        """
         size = length(step)
         if size == inf:
             return np.zeros(len(step))
         if size > self.longest:
             return step * (self.longest / size)
-        if self.dead and size < self.dead * length(error):
+        if self.dead and size < self.dead * asked:
             reach = np.abs(J).max(axis=0)
             moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
-            aside_too = step + self.side_step * length(error) * aside(len(step)) * moving
+            aside_too = step + self.side_step * asked * aside(len(step)) * moving
             size = length(aside_too)
             return aside_too * (self.longest / size) if size > self.longest else aside_too
         return step

@@ -1,8 +1,11 @@
 """The minimum that m steps of conjugate gradients reach on m rows, by one direct solve."""
 
+from functools import cache
+
 import numpy as np
 
 from fikm_drake.arrays import Array
+from fikm_drake.laws.written_out_solve import MOST_ROWS, written_out_solve
 
 LARGEST_GROWTH = 1e4
 """|R^½ y| over |R^-½ dr| up to which the direct solve is taken. Rounding errors grow with it, and past
@@ -29,12 +32,8 @@ def normal_equations_of_one(
         (n,), or None where the equations are singular or nearly so: iterations do better there.
     """
     JC = J / columns
-    M = JC.dot(J.T)
-    if damping:
-        M.ravel()[:: len(dr) + 1] += damping * damping * rows
-    try:
-        y = np.linalg.solve(M, dr)
-    except np.linalg.LinAlgError:
+    y = _solve(JC.dot(J.T), damping * damping * rows if damping else _none(len(dr)), dr)
+    if y is None:
         return None
     if damping < LEAST_DAMPING:  # from there on damping bounds the growth, by 1 / damping²
         with np.errstate(invalid="ignore", over="ignore"):
@@ -42,6 +41,20 @@ def normal_equations_of_one(
         if not growth <= LARGEST_GROWTH**2 * size:  # NaN compares false
             return None
     return y.dot(JC)
+
+
+_none = cache(np.zeros)
+
+
+def _solve(M: Array, diagonal: Array, b: Array) -> Array | None:
+    """The x (m,) with (M + diag) x = b, M symmetric (m,m); None where that is singular."""
+    try:
+        if len(b) <= MOST_ROWS:
+            return np.array(written_out_solve(len(b))(M, diagonal, b))
+        M.ravel()[:: len(b) + 1] += diagonal
+        return np.linalg.solve(M, b).astype(float, copy=False)
+    except (ZeroDivisionError, np.linalg.LinAlgError):
+        return None
 
 
 def normal_equations(

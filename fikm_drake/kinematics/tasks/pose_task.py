@@ -8,6 +8,7 @@ from pydrake.math import RigidTransform
 from fikm_drake.arrays import LARGEST, Array
 from fikm_drake.checks import check_positive_finite
 from fikm_drake.kinematics.plant_arm import PlantArm
+from fikm_drake.kinematics.pose_error import pose_error
 from fikm_drake.kinematics.task import CHARACTERISTIC_LENGTH
 from fikm_drake.kinematics.task_kinematics import PoseTargetTask, native_task_of
 
@@ -38,6 +39,7 @@ class OrientationTask(PoseTargetTask):
         self.characteristic_length = check_positive_finite(
             "characteristic_length", characteristic_length, "m"
         )
+        self._row_scale = np.array([[self.characteristic_length]] * 3 + [[1.0]] * 3)
         # A turn by φ changes the rotation matrix by 2√2 sin(φ/2), in the Frobenius norm.
         self._scale = np.array([self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0])
         if type(self) in (OrientationTask, PoseTask):
@@ -48,7 +50,7 @@ class OrientationTask(PoseTargetTask):
         p = target.translation()
         if not p.dot(p) < LARGEST**2:
             return np.full(3, np.nan)
-        return self._turn(self.arm.pose(context), target)
+        return np.array(pose_error(self.arm.pose(context), target, self.characteristic_length)[:3])
 
     def target_jacobian(self, context: Any) -> Array:
         """Rows ω of the Jacobian, scaled (3,n)."""
@@ -69,15 +71,9 @@ class OrientationTask(PoseTargetTask):
         scale = np.array([self.characteristic_length] * 3 + [1.0] * (self.size - 3))
         return self.arm.jacobian_range()[: self.size] * scale[:, None]
 
-    def _turn(self, X_WE: RigidTransform, target: RigidTransform) -> Array:
-        turn = target.rotation().multiply(X_WE.rotation().inverse()).ToAngleAxis()
-        vector = turn.axis()
-        vector *= self.characteristic_length * turn.angle()
-        return vector
-
     def _spatial_jacobian(self, context: Any) -> Array:
         J = self.arm.spatial_jacobian(context)
-        J[:3] *= self.characteristic_length
+        J *= self._row_scale
         return J
 
 
@@ -101,9 +97,7 @@ class PoseTask(OrientationTask):
 
     def target_error(self, context: Any, target: RigidTransform) -> Array:
         """The scaled rotation vector, then desired minus actual position (6,) [m]."""
-        X_WE = self.arm.pose(context)
-        turn = self._turn(X_WE, target)
-        return np.concatenate((turn, target.translation() - X_WE.translation()))
+        return np.array(pose_error(self.arm.pose(context), target, self.characteristic_length))
 
     def target_jacobian(self, context: Any) -> Array:
         """The spatial Jacobian (6,n), rows ω scaled."""
