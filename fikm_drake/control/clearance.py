@@ -17,7 +17,7 @@ from fikm_drake.control.clearance_config import (
     load_clearance_rules,
 )
 from fikm_drake.control.joint_limits import StepBox
-from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
+from fikm_drake.control.near_pairs import Near, NearPairs, nearest_of, pair_of
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
 from fikm_drake.kinematics.native.native_clearance import NativeAnswer, NativeClearStep
@@ -96,7 +96,7 @@ class Clearance:
     ) -> None:
         config = config or ClearanceConfig()
         config.validate()
-        self.config = config
+        self.config, self._checker = config, checker
         self.near = NearPairs(checker, joints, config.influence_distance)
         self._period = check_positive_finite("period", period, "s")
         rates = clearance_table(load_clearance_rules(config.rules))
@@ -126,17 +126,31 @@ class Clearance:
 
     def distance(self, q: Array, others: Array | None = None) -> float:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad q."""
-        if not np.isfinite(q).all():
+        if not all_finite(q):
             return float("nan")
         return float(min(self.near(q, others).distances, default=inf))
 
     def is_clear(self, q: Array, others: Array | None = None) -> bool:
         """True if q (n,) is finite and no pair is nearer than the safe distance, but for `LOSS`."""
-        if not np.isfinite(q).all():
-            return False
-        within = max(self.config.safe_distance, LOSS)
-        found = self.near(q, others, within).distances
-        return not len(found) or bool(found.min() >= self.config.safe_distance - LOSS)
+        return self.room(q, others, within=max(self.config.safe_distance, LOSS)) >= -LOSS
+
+    def room(self, q: Array, others: Array | None = None, *, within: float = 0.0) -> float:
+        """How much farther than the safe distance the nearest pair is at q (n,) [m]; −inf for bad input.
+
+        Args:
+            q: the arm's joints (n,) [rad or m].
+            others: positions of all in the checker's plant that is not the arm (p,); None: the defaults.
+            within: nothing is farther off than this [m]; 0: than twice the influence distance.
+        """
+        if not all_finite(q) or (others is not None and not all_finite(others)):
+            return -inf
+        within = within or 2.0 * self.config.influence_distance
+        nearest = self.near(q, others, within).distances.min(initial=within)
+        return float(nearest) - self.config.safe_distance
+
+    def reach(self) -> Array:
+        """Bounds (n,) of how far the joints move points of the arm, and of what it holds now [m/rad or 1]."""
+        return joint_reach(self._checker, self.near.indices)
 
     def names(self, pair: tuple[int, int]) -> tuple[str, str]:
         """Scoped names of the bodies of a pair; empty for no pair."""
@@ -185,15 +199,13 @@ class Clearance:
             The step; zeros if `q` or the step is not finite.
         """
         around = self.around(q, others)
-        if around is None or not all_finite(step):
-            return np.zeros(len(q)), ClearanceInfo()
         return self.keep(
             around, step, J=J, low=low, high=high, bounds=bounds, others_before=others_before
         )
 
     def keep(
         self,
-        around: Around,
+        around: Around | None,
         step: Array,
         *,
         J: Array | None = None,
@@ -202,7 +214,9 @@ class Clearance:
         bounds: Bounds | None = None,
         others_before: Array | None = None,
     ) -> tuple[Array, ClearanceInfo]:
-        """What a call does, by what is known to be near; the step (n,) is finite."""
+        """What a call does, by what is known to be near; None: an input is not finite, the joints hold."""
+        if around is None or not all_finite(step):
+            return np.zeros(len(step)), ClearanceInfo()
         q, others, found, near, _, taken = around
         after, moved = self.moving(q, found, others, others_before)
         if self._native and near is None:
@@ -247,15 +261,13 @@ class Clearance:
         """What `keep` does inside the limits of the joints, whose bounds are worked out only where needed.
 
         Args:
-            around: of `around`; None: an input is not finite, and the joints hold.
+            around: of `around`, or None.
             step: the step that is asked for (n,) [rad or m].
             J: the task Jacobian (m,n).
             box: the limits about the command.
             velocity: the last change of the command over the period (n,) [rad/s or m/s].
             others_before: where others were in the last cycle (p,).
         """
-        if around is None or not all_finite(step):
-            return np.zeros(len(step)), ClearanceInfo()
         if box.surely_holds(step):
             bounds = partial(box.bounds, velocity)
             return self.keep(around, step, J=J, bounds=bounds, others_before=others_before)
@@ -279,7 +291,7 @@ class Clearance:
         if others is None or before is None or not all_finite(before) or (others == before).all():
             return others, None
         farthest = 2.0 * self.config.influence_distance
-        was, now = _nearest(self.near.ask(q, before, farthest)), _nearest(found)
+        was, now = nearest_of(self.near.ask(q, before, farthest)), nearest_of(found)
         changes = []
         for i, d in enumerate(found.distances().tolist()):
             pair = pair_of(found, i)
@@ -292,15 +304,6 @@ def info_of(answer: NativeAnswer, found: RobotClearance) -> ClearanceInfo:
     """What the kernel says that obstacles did, by what the checker found."""
     pair = pair_of(found, answer.row) if answer.row >= 0 else NONE
     return ClearanceInfo(answer.distance, answer.blocked, pair)
-
-
-def _nearest(found: RobotClearance) -> dict[tuple[int, int], float]:
-    """The least distance of each pair of bodies, which may have several shapes."""
-    least: dict[tuple[int, int], float] = {}
-    for i, d in enumerate(found.distances().tolist()):
-        pair = pair_of(found, i)
-        least[pair] = min(d, least.get(pair, inf))
-    return least
 
 
 def make_clearance(

@@ -149,6 +149,15 @@ def pair_of(found: RobotClearance, i: int) -> tuple[int, int]:
     return int(found.robot_indices()[i]), int(found.other_indices()[i])
 
 
+def nearest_of(found: RobotClearance) -> dict[tuple[int, int], float]:
+    """The least distance of each pair of bodies, which may have several shapes."""
+    least: dict[tuple[int, int], float] = {}
+    for i, d in enumerate(found.distances().tolist()):
+        pair = pair_of(found, i)
+        least[pair] = min(d, least.get(pair, inf))
+    return least
+
+
 class _Scratch(threading.local):
     """A context of the checker's model for each thread; each use writes all of it that it reads."""
 

@@ -33,6 +33,8 @@ WINDOW, PROGRESS = 6, 0.3
 """A start of the search is given up unless `WINDOW` steps take away this fraction of its error [-]."""
 STARTS = 40
 """Postures from which the search starts before it gives up [-]."""
+AGAIN = 25
+"""Times that a way to the postures so far is searched for after the last start [-]."""
 ERROR_LIMIT = 0.1
 """A longer error counts as this long in the search [of the longest that there is]."""
 DAMPING = 0.05
@@ -81,7 +83,8 @@ class RestartSearch:
     progress; then a posture (n,), of the last cycle or of the search.
 
     With a `clearance` the posture and the way to it are clear, looked at as finely as the joints move: the
-    straight way, or one with a posture in between (`ClearWay`); else the search goes on.
+    straight way, or one with bends that is searched for (`ClearWay`); else the search for a posture goes
+    on, and what it found so far is kept.
 
     Args:
         kinematics: (target, q) to the task error (m,) and Jacobian (m,n).
@@ -125,9 +128,7 @@ class RestartSearch:
         self._starts = low + (high - low) * np.random.default_rng(0).random((STARTS, len(lower)))
         self._way = None
         if clearance is not None:
-            self._way = ClearWay(
-                clearance, pace=pace, lower=lower, upper=upper, starts=self._starts
-            )
+            self._way = ClearWay(clearance, pace=pace, lower=lower, upper=upper)
 
     def initial_memory(self) -> Array:
         """The memory before the first cycle."""
@@ -201,16 +202,16 @@ class RestartSearch:
         size = length(dr)
         if size <= 0.5 * self._tolerance:
             posture[:] = self._unwound(posture, q)
-            cycles = self._cycles(q, posture)
+            legs = [(q, posture)]
             if self._way:
                 found = self._way.look(memory[self._rest], q, posture, others)
                 if found is False:
                     self._start_again(memory, desired, q, error)
                 if not found:
                     return
-                cycles *= self._way.length(memory[self._rest], q, posture) / max(
-                    float(np.abs(posture - q).max()), NEAR
-                )
+                posture[:] = self._way.end(memory[self._rest])
+                legs = self._way.legs(memory[self._rest], q)
+            cycles = sum(self._cycles(a, b) for a, b in legs)
             memory[:3] = RestartState.UNDERWAY, -LATE * cycles - PATIENCE, 0
             return
         if memory[1] % WINDOW == 0:
@@ -227,8 +228,13 @@ class RestartSearch:
 
     def _start_again(self, memory: Array, desired: Any, q: Array, error: float) -> None:
         start = int(memory[2])
+        memory[1:4] = 0, start + 1, 0
         if start >= STARTS:
-            memory[:4] = RestartState.STUCK, 0, 0, error
+            goal = self._way.goal(memory[self._rest]) if self._way else None
+            if goal is None or start >= STARTS + AGAIN:
+                memory[:4] = RestartState.STUCK, 0, 0, error
+            else:
+                memory[self._own] = goal
             return
         starts = self._starts + np.where(self._free, q, 0.0)
         starts = np.clip(starts, self._lower, self._upper)
@@ -237,7 +243,6 @@ class RestartSearch:
             + WAY * self._pace * self._cycles(q, self._unwound(s, q))
             for s in starts
         ]
-        memory[1:4], memory[self._rest] = (0, start + 1, 0), 0.0
         memory[self._own] = starts[np.argsort(sizes, kind="stable")[start]]
 
     def _arrive(self, memory: Array, desired: Any, q: Array) -> None:

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from pydrake.geometry import CalcObb, Obb
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Joint, JointIndex
 from pydrake.planning import CollisionChecker
@@ -81,7 +83,7 @@ def joint_reach(checker: CollisionChecker, indices: NDArray[np.int64]) -> Array:
     """Bounds (n,) of how far a joint's motion moves points of the robot's shapes [m/rad or 1].
 
     For a joint that turns, the length of the longest way out from its axis along the links, with the
-    sizes of the shapes there; 1 for one that slides.
+    sizes of the shapes there and of those that have been added to the checker; 1 for one that slides.
     """
     plant = checker.plant()
     inspector = checker.model().scene_graph().model_inspector()
@@ -91,9 +93,15 @@ def joint_reach(checker: CollisionChecker, indices: NDArray[np.int64]) -> Array:
         box = inspector.GetObbInGeometryFrame(geometry)
         if body is None or box is None or inspector.GetProximityProperties(geometry) is None:
             continue
-        centre = inspector.GetPoseInFrame(geometry) @ box.pose().translation()
-        size = float(np.linalg.norm(centre) + np.linalg.norm(box.half_width()))
+        size = _farthest(inspector.GetPoseInFrame(geometry) @ box.pose(), box)
         radius[int(body.index())] = max(radius[int(body.index())], size)
+    for shapes in checker.GetAllAddedCollisionShapes().values():
+        for added in shapes:
+            instance = plant.GetModelInstanceByName(added.model_instance_name())
+            body = plant.GetBodyByName(added.body_name(), instance)
+            box = CalcObb(added.shape())
+            size = _farthest(added.pose_in_body() @ box.pose(), box)
+            radius[int(body.index())] = max(radius[int(body.index())], size)
     children: dict[int, list[Joint]] = {}
     by_position: dict[int, Joint] = {}
     for i in plant.GetJointIndices():
@@ -117,6 +125,11 @@ def joint_reach(checker: CollisionChecker, indices: NDArray[np.int64]) -> Array:
         turns = joint.type_name() != "prismatic"
         reach.append(_ways(joint)[1] + beyond(int(joint.child_body().index())) if turns else 1.0)
     return np.array(reach)
+
+
+def _farthest(X: RigidTransform, box: Obb) -> float:
+    """At most so far from the origin are the points of a box [m]."""
+    return float(np.linalg.norm(X.translation()) + np.linalg.norm(box.half_width()))
 
 
 def _ways(joint: Joint) -> tuple[float, float]:

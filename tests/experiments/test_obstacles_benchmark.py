@@ -6,6 +6,7 @@ import pytest
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.experiments.benchmarks.obstacle_pink import has_pink, run_pink
+from fikm_drake.experiments.benchmarks.obstacle_runs import run_ours
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.benchmarks.obstacles_benchmark import (
     DRAKE,
@@ -13,6 +14,7 @@ from fikm_drake.experiments.benchmarks.obstacles_benchmark import (
     SEARCH,
     obstacles_benchmark,
 )
+from fikm_drake.kinematics.load_arm import load_arm
 
 
 def test_ours_keeps_clear_and_gets_at_least_as_far_as_drakes():
@@ -26,6 +28,28 @@ def test_ours_keeps_clear_and_gets_at_least_as_far_as_drakes():
         assert row.clearance >= ClearanceConfig().safe_distance - 1e-3
         assert row.reached >= by_method[DRAKE].reached and row.microseconds > 0.0
         assert row.tail <= 1e-5
+
+
+@pytest.mark.parametrize(
+    ("arm", "task", "place", "seed"),
+    [
+        ("ur5", "pose", 1, 5),
+        ("panda", "position", 5, 5),
+        ("iiwa14", "pose", 0, 11),
+        ("panda", "pose", 2, 11),
+    ],
+)
+def test_between_the_boards_of_a_shelf_a_way_with_bends_is_found(arm, task, place, seed):
+    """Neither the straight way nor one with a posture in between leads there."""
+    scene = obstacle_scenes(arm, "shelf", task, place + 1, seed)[place]
+    checker, near = scene.checker(), ClearanceConfig()
+    q, _ = run_ours(scene, checker, rate=100.0, seconds=8.0, clearance=near, restart_search=True)
+    X = load_arm(arm).forward_kinematics(q[-1])
+    np.testing.assert_allclose(X[:3, 3], scene.target[:3, 3], atol=1e-3)
+    if task == "pose":
+        np.testing.assert_allclose(X[:3, :3], scene.target[:3, :3], atol=1e-2)
+    guard = Clearance(checker, period=0.01)
+    assert min(guard.distance(x) for x in q) >= near.safe_distance - 1e-3
 
 
 def test_scenes_are_seeded_and_their_start_is_clear():
