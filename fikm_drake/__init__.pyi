@@ -7,7 +7,7 @@ from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.gain_supervisor_config import GainSupervisorConfig
 from fikm_drake.control.jerk_limit import JerkLimit
 from fikm_drake.control.joint_limits import JointLimits
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.rollout import Rollout, rollout
 from fikm_drake.control.status import ControllerStatus
 from fikm_drake.diagrams.add_fuzzy_ik_controller import AddFuzzyIkController, MakeFuzzyIkController

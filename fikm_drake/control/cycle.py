@@ -33,7 +33,8 @@ from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
 from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.null_space import null_space_step
-from fikm_drake.control.restart_search import RestartState, make_restart_search
+from fikm_drake.control.restart_search import make_restart_search
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.status import (
     ControllerStatus,

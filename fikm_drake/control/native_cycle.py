@@ -10,7 +10,7 @@ from fikm_drake.control.clear_step import LOOKS
 from fikm_drake.control.clearance import ClearanceInfo, info_of
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel, address, kernel
 from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK
 from fikm_drake.kinematics.task_kinematics import PlantTask
@@ -60,7 +60,9 @@ class NativeCycle(threading.local):
         self._among = None
         if cycle.clearance and cycle.clearance.native:
             self._among = cycle.clearance, cycle.clearance.native
-        self._command, self._velocity, self._memory = np.zeros(n), np.zeros(n), packed(state)
+        self._used = slice(0, self._search.start + (4 + n if cycle.restart else 0))
+        self._command, self._velocity = np.zeros(n), np.zeros(n)
+        self._memory = np.zeros(self._used.stop)
         self._target = np.zeros((3, 4) if task.port == "desired_pose" else m)
         self._q, self._way = np.zeros(n), np.zeros(n)
         self._numbers = task.target_numbers
@@ -99,7 +101,7 @@ class NativeCycle(threading.local):
         done, _ = self._do(command, velocity, memory, target, q, others, False)
         if not done:
             return False
-        command[:], velocity[:], memory[:] = self._command, self._velocity, self._memory
+        command[:], velocity[:], memory[self._used] = self._command, self._velocity, self._memory
         if done == 2 and self._restart:
             size = float(self._computed[0])
             self._restart.remember(memory[self._search], target, self._q.copy(), size, others)
@@ -144,7 +146,8 @@ class NativeCycle(threading.local):
         """What the kernel answers, which has the state of its own, and what obstacles did."""
         self._target[:], self._q[:] = self._numbers(target), q
         # Sooner done than to ask for addresses.
-        self._command[:], self._velocity[:], self._memory[:] = command, velocity, memory
+        self._command[:], self._velocity[:] = command, velocity
+        self._memory[:] = memory[self._used]
         at_way = None
         if self._restart and memory.item(self._search.start) == UNDERWAY:
             self._way[:] = self._restart.step(memory[self._search], self._q, self._way)

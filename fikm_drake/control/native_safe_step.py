@@ -84,8 +84,8 @@ def step_options(
     n, near, turns = task.arm.num_joints, safe_step.limits, task.native.options
     step: list[float] = [task.size, n, safe_step.longest, safe_step.dead, safe_step.side_step]
     step += [UNMOVED, near is not None, PASSES, limits.brakes, limits.period, saturation.PASSES]
-    step += [saturation.GAIN, saturation.BRAKING_GAIN, saturation.TINY]
-    step += [law.row_floor, law.column_floor, law.zero_threshold, law.damping]
+    step += [saturation.GAIN, saturation.BRAKING_GAIN, saturation.HALF, saturation.BETTER]
+    step += [saturation.TINY, law.row_floor, law.column_floor, law.zero_threshold, law.damping]
     step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
     each = limits.lower, limits.upper, limits.fastest, limits.change

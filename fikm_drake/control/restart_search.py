@@ -1,7 +1,6 @@
 """The way out where no step leads nearer: another posture, found by search and driven to."""
 
 from collections.abc import Callable
-from enum import IntEnum
 from math import inf, pi
 from typing import Any
 
@@ -13,6 +12,8 @@ from fikm_drake.control.clear_way import ClearWay
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
+from fikm_drake.control.native_descent import native_descent
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
 from fikm_drake.kinematics.angles import nearest_turn
@@ -54,19 +55,6 @@ LATE = 3.0
 """A way takes at most this many times as long as it should [-]."""
 
 
-class RestartState(IntEnum):
-    """What a restart search does; the first element of its memory."""
-
-    NONE = 0
-    """The law leads."""
-    SEARCHING = 1
-    """The law stays where it is; a posture is searched for."""
-    UNDERWAY = 2
-    """The joints move to the posture that was found."""
-    STUCK = 3
-    """None was found: the target is out of reach, as far as the search can tell."""
-
-
 class RestartSearch:
     """Leaves dead points and local minima at joint limits, which no local law can.
 
@@ -97,6 +85,7 @@ class RestartSearch:
         longest_error: that the task can have, about, by which errors are judged [m].
         limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
         clearance: what the way keeps clear of; None: nothing.
+        task: whose error and Jacobian `kinematics` tells; then the kernel may take steps.
     """
 
     def __init__(
@@ -112,6 +101,7 @@ class RestartSearch:
         longest_error: float = 2.0,
         limits: JointLimits | None = None,
         clearance: Clearance | None = None,
+        task: TaskKinematics | None = None,
     ) -> None:
         self._limits, self._longest_error = limits, longest_error
         self._turning = np.zeros(len(lower), bool) if turning is None else turning
@@ -126,6 +116,10 @@ class RestartSearch:
         self._free = ~np.isfinite(upper - lower)
         low, high = (np.where(self._free, sign * np.pi, x) for sign, x in ((-1, lower), (1, upper)))
         self._starts = low + (high - low) * np.random.default_rng(0).random((STARTS, len(lower)))
+        self._native = None
+        if task is not None:
+            numbers = tolerance, self._error_limit, DAMPING, WINDOW, PROGRESS
+            self._native = native_descent(task, law, self._search_step, numbers)
         self._way = None
         if clearance is not None:
             self._way = ClearWay(clearance, pace=pace, lower=lower, upper=upper)
@@ -171,9 +165,7 @@ class RestartSearch:
         elif state == RestartState.NONE:
             self._watch(memory, desired, q, error)
         elif state == RestartState.SEARCHING:
-            for _ in range(LOOKS):
-                if memory.item(0) == RestartState.SEARCHING:
-                    self._look(memory, desired, q, error, others)
+            self._search(memory, desired, q, error, others)
         elif state == RestartState.UNDERWAY:
             self._arrive(memory, desired, q)
         elif abs(error - memory[3]) > max(self._tolerance, 0.1 * memory[3]):
@@ -192,6 +184,17 @@ class RestartSearch:
         else:
             memory[:4], memory[self._rest] = (RestartState.SEARCHING, 0, 0, error), 0.0
             memory[self._own] = self._aside(q)
+
+    def _search(
+        self, memory: Array, desired: Any, q: Array, error: float, others: Array | None
+    ) -> None:
+        """`LOOKS` steps of the search; the kernel takes those that only go down."""
+        left = LOOKS
+        while left and memory.item(0) == RestartState.SEARCHING:
+            left -= self._native(memory, desired, left) if self._native else 0
+            if left:
+                self._look(memory, desired, q, error, others)
+                left -= 1
 
     def _look(
         self, memory: Array, desired: Any, q: Array, error: float, others: Array | None
@@ -238,11 +241,8 @@ class RestartSearch:
             return
         starts = self._starts + np.where(self._free, q, 0.0)
         starts = np.clip(starts, self._lower, self._upper)
-        sizes = [
-            length(self._kinematics(desired, s)[0]) / self._longest_error
-            + WAY * self._pace * self._cycles(q, self._unwound(s, q))
-            for s in starts
-        ]
+        sizes = self._errors(desired, starts) / self._longest_error
+        sizes += WAY * self._pace * self._cycles(q, self._unwound(starts, q))
         memory[self._own] = starts[np.argsort(sizes, kind="stable")[start]]
 
     def _arrive(self, memory: Array, desired: Any, q: Array) -> None:
@@ -255,14 +255,21 @@ class RestartSearch:
         if memory[1] >= 0 or lost or np.abs(memory[self._own] - q).max() <= NEAR:
             memory[:4] = 0.0
 
-    def _cycles(self, q: Array, posture: Array) -> float:
-        """Cycles that the straight way to a posture takes, at the pace of its slowest joint."""
-        way = posture - q
-        longest = float(np.abs(way).max())
-        if self._limits is None or longest == 0.0:
+    def _errors(self, desired: Any, postures: Array) -> Array:
+        """Lengths of the error (N,) at postures (N,n) [m]."""
+        if self._native:
+            return self._native.sizes(desired, postures)
+        return np.array([length(self._kinematics(desired, p)[0]) for p in postures])
+
+    def _cycles(self, q: Array, postures: Array) -> Array:
+        """Cycles that the straight ways to postures (…,n) take (…,), at the pace of their slowest joints."""
+        way = np.abs(postures - q)
+        longest = way.max(axis=-1)
+        if self._limits is None:
             return longest / self._pace
-        step = way * (self._pace / longest)
-        return longest / max(float(np.abs(self._limits.shorten(step)).max()), 1e-300)
+        steps = way * (self._pace / np.maximum(longest, 1e-300))[..., None]
+        excess = (steps / np.maximum(self._limits.fastest, 1e-300)).max(axis=-1)
+        return longest / self._pace * np.maximum(excess, 1.0)
 
     def _unwound(self, posture: Array, q: Array) -> Array:
         """The posture, its joints that turn as few turns from q as their limits allow."""
@@ -306,4 +313,5 @@ def make_restart_search(
         longest_error=2.0 * task.arm.chain.reach + pi * turn,
         limits=limits,
         clearance=clearance,
+        task=task,
     )

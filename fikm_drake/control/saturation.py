@@ -15,6 +15,11 @@ PASSES = 4
 """Times that the law is asked again; what is then left past a bound is cut off [-]."""
 TINY = 1e-100
 """Added to bounds before a step is compared with them, since a bound may be zero [rad or m]."""
+HALF = 0.5 - 1e-9
+"""Joints that are this part as far past their bounds as the farthest go with it; of equal joints rounding
+does not decide [-]."""
+BETTER = 1.0 + 1e-9
+"""A step that brings the tool this many times as near as another is better [-]."""
 GAIN = 1.02
 """The step that was solved again must bring the tool this many times as near as the shortened one [-]..."""
 BRAKING_GAIN = 1.5
@@ -75,7 +80,7 @@ def resolve(
         largest = excess.max()
         if not largest > 0.0:
             break
-        over = excess >= 0.5 * largest
+        over = excess >= HALF * largest
         free[over], fixed[over] = False, inside[over]
         trial = fixed if secondary is None else np.where(free, secondary, fixed)
         if free.any():
@@ -123,7 +128,7 @@ def brake(
         sizes = np.abs(trial)
         longest = limits.braking(sizes)
         excess = np.where(free, sizes / (longest + TINY), 0.0)
-        slow = free & (excess >= 0.5 * excess.max())
+        slow = free & (excess >= HALF * excess.max())
         free &= ~slow
         if not free.any():
             break
@@ -134,7 +139,7 @@ def brake(
         rest = rest + np.where(free, solve(J * free, error - J.dot(rest)), 0.0)
         trial = np.where(free, limits.brakeable(np.where(free, rest, 0.0)), fixed)
         near = size - _norm(asked - J.dot(trial))
-        if near > most:
+        if near > BETTER * most:
             best, most = trial, near
         trial = rest
     return best

@@ -5,7 +5,7 @@ from enum import IntEnum
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 
 
 class ControllerStatus(IntEnum):

@@ -5,7 +5,7 @@ from math import isfinite
 from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.checks import check_counts, check_positive
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.status import controller_status
 from fikm_drake.control.steps import length
 

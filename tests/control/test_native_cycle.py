@@ -17,7 +17,7 @@ from fikm_drake.control.native_cycle import (
     search_place,
 )
 from fikm_drake.control.native_safe_step import native_safe_step
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.fuzz.native_fuzz import native_case
 from fikm_drake.kinematics.native import kernel as loading

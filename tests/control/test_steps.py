@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from fikm_drake.arrays import all_finite
-from fikm_drake.control.restart_search import RestartState
+from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.status import ControllerStatus, controller_status
 from fikm_drake.control.steps import amplify, length, low_pass
 

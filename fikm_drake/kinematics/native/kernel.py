@@ -60,6 +60,7 @@ class Kernel:
             self.task, self.cycle = loaded.fikm_task, loaded.fikm_cycle
             self.ask_clear, self.cycle_clear = loaded.fikm_ask_clear, loaded.fikm_cycle_clear
             self.cycle_size, self.step_at = loaded.fikm_cycle_size, loaded.fikm_step_at
+            self.descend, self.error_sizes = loaded.fikm_descend, loaded.fikm_error_sizes
             self.gain, self.remember_turns = loaded.fikm_gain, loaded.fikm_remember_turns
             self.remember_motion = loaded.fikm_remember_motion
         except (AttributeError, ValueError, StopIteration) as error:
@@ -84,6 +85,10 @@ class Kernel:
         self.remember_motion.argtypes, self.remember_motion.restype = [_POINTER] * 6, None
         self.step_at.argtypes = [*[_POINTER] * 4, _DOUBLE, _INT, _POINTER]
         self.step_at.restype = _INT
+        self.descend.argtypes = [*[_POINTER] * 3, _INT, _POINTER]
+        self.descend.restype = _INT
+        self.error_sizes.argtypes = [_POINTER, _POINTER, _LONG, _POINTER, _POINTER]
+        self.error_sizes.restype = None
         self.cycle_size.argtypes, self.cycle_size.restype = [], _LONG
         self.cycle.argtypes, self.cycle.restype = [*[_POINTER] * 7, _INT, _POINTER], _INT
         self.ask_clear.argtypes, self.ask_clear.restype = [_POINTER] * 9, _INT

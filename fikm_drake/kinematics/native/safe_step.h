@@ -1,8 +1,8 @@
 /* The step of a law inside the limits of its joints: control/safe_step.py, joint_limits.py, saturation.py
  * and guard.py, which tell the mathematics. A law that Python does better there gives 0: left to Python. */
 enum { C_ROWS, C_JOINTS, C_LONGEST, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_BRAKES, C_PERIOD,
-       C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO, C_DAMPING,
-       C_ERROR_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
+       C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_HALF, C_BETTER, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO,
+       C_DAMPING, C_ERROR_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
 
 /* The joints' limits and what is worked out of them, (n) each, then the chain. */
 typedef struct {
@@ -136,7 +136,7 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
         }
         int slow[MAX_JOINTS];
         for (int j = 0; j < n; j++) {
-            slow[j] = free_[j] && excess[j] >= 0.5 * largest;
+            slow[j] = free_[j] && excess[j] >= o[C_HALF] * largest;
             free_[j] &= !slow[j], any_free |= free_[j];
         }
         if (!any_free) break;
@@ -155,7 +155,7 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
         brakeable(o, l, trial, n);
         for (int j = 0; j < n; j++) if (!free_[j]) trial[j] = fixed[j];
         double near = nearer(law, asked, trial);
-        if (near > most) copy(best, trial, n), most = near;
+        if (near > o[C_BETTER] * most) copy(best, trial, n), most = near;
         copy(trial, rest, n);
     }
     copy(step, best, n);
@@ -187,7 +187,7 @@ static int resolve(const Law *law, const Limits *l, const double *error, const d
         }
         if (!(largest > 0.0)) break;
         for (int j = 0; j < n; j++) {
-            if (excess[j] >= 0.5 * largest) free_[j] = 0, fixed[j] = in[j];
+            if (excess[j] >= o[C_HALF] * largest) free_[j] = 0, fixed[j] = in[j];
             any_free |= free_[j];
         }
         copy(trial, fixed, n);
