@@ -17,7 +17,7 @@ from fikm_drake.control.clearance_config import (
     load_clearance_rules,
 )
 from fikm_drake.control.joint_limits import StepBox
-from fikm_drake.control.near_pairs import Near, NearPairs, nearest_of, pair_of
+from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
 from fikm_drake.kinematics.native.native_clearance import NativeAnswer, NativeClearStep
@@ -128,7 +128,7 @@ class Clearance:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad q."""
         if not all_finite(q):
             return float("nan")
-        return float(min(self.near(q, others).distances, default=inf))
+        return self._distance(q, others, self.config.influence_distance)
 
     def is_clear(self, q: Array, others: Array | None = None) -> bool:
         """True if q (n,) is finite and no pair is nearer than the safe distance, but for `LOSS`."""
@@ -145,8 +145,13 @@ class Clearance:
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return -inf
         within = within or 2.0 * self.config.influence_distance
-        nearest = self.near(q, others, within).distances.min(initial=within)
-        return float(nearest) - self.config.safe_distance
+        return min(self._distance(q, others, within), within) - self.config.safe_distance
+
+    def _distance(self, q: Array, others: Array | None, within: float) -> float:
+        found = self.near.ask(q, others, within)
+        if self._native and self._native.take(found, self.near.padded) >= 0:
+            return self._native.distance
+        return float(self.near.of(found, q, others).distances.min(initial=inf))
 
     def reach(self) -> Array:
         """Bounds (n,) of how far the joints move points of the arm, and of what it holds now [m/rad or 1]."""
@@ -218,7 +223,7 @@ class Clearance:
         if around is None or not all_finite(step):
             return np.zeros(len(step)), ClearanceInfo()
         q, others, found, near, _, taken = around
-        after, moved = self.moving(q, found, others, others_before)
+        after, moved = self.near.moving(q, found, others, others_before)
         if self._native and near is None:
             answer = self._native(
                 step,
@@ -273,31 +278,6 @@ class Clearance:
             return self.keep(around, step, J=J, bounds=bounds, others_before=others_before)
         low, high = box.bounds(velocity)
         return self.keep(around, step, J=J, low=low, high=high, others_before=others_before)
-
-    def moving(
-        self, q: Array, found: RobotClearance, others: Array | None, before: Array | None
-    ) -> tuple[Array | None, Array | None]:
-        """Where others will be after this cycle (p,), and what they did to the distances in the last one.
-
-        Args:
-            q: the arm's joints (n,) [rad or m].
-            found: what the checker says there.
-            others: where others are (p,); None: where they are by default.
-            before: where they were in the last cycle (p,); None: nothing moves.
-
-        Returns:
-            The positions, and the change of each distance found (k,) [m]; None: none moves.
-        """
-        if others is None or before is None or not all_finite(before) or (others == before).all():
-            return others, None
-        farthest = 2.0 * self.config.influence_distance
-        was, now = nearest_of(self.near.ask(q, before, farthest)), nearest_of(found)
-        changes = []
-        for i, d in enumerate(found.distances().tolist()):
-            pair = pair_of(found, i)
-            changes.append(min(now[pair] - was.get(pair, farthest), d))
-        moved = np.maximum(changes, -self.config.influence_distance)
-        return others + (others - before), moved
 
 
 def info_of(answer: NativeAnswer, found: RobotClearance) -> ClearanceInfo:

@@ -59,7 +59,7 @@ class NativeCycle(threading.local):
         self._others = slice(self._search.stop, None)
         self._among = None
         if cycle.clearance and cycle.clearance.native:
-            self._among = cycle.clearance, cycle.clearance.native
+            self._among = cycle.clearance.near, cycle.clearance.native
         self._used = slice(0, self._search.start + (4 + n if cycle.restart else 0))
         self._command, self._velocity = np.zeros(n), np.zeros(n)
         self._memory = np.zeros(self._used.stop)
@@ -154,12 +154,11 @@ class NativeCycle(threading.local):
             at_way = self._at_way
         if self._among is None:
             return self._run(*self._at_inputs, at_way, peek, self._at_computed), UNTOUCHED
-        (clearance, clear), q = self._among, self._q
+        (near, clear), q = self._among, self._q
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return 0, UNTOUCHED
-        near = clearance.near
         found = near.ask(q, others)
-        after, moved = clearance.moving(q, found, others, memory[self._others])
+        after, moved = near.moving(q, found, others, memory[self._others])
         if not clear.read(found, near.padded, moved):
             return 0, UNTOUCHED
         answer = self._ask(*self._at_inputs, at_way, clear.at, self._at_computed)

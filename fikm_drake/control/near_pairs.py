@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydrake.multibody.tree import BodyIndex
 from pydrake.planning import CollisionChecker, RobotClearance
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, all_finite
 from fikm_drake.kinematics.checker_joints import checker_indices
 
 AHEAD = 1e-6
@@ -99,6 +99,31 @@ class NearPairs:
         if len(felt) and near.distances.min() < 0.0 and self.padded:
             self._turn_rows(q, others, found, near)
         return near
+
+    def moving(
+        self, q: Array, found: RobotClearance, others: Array | None, before: Array | None
+    ) -> tuple[Array | None, Array | None]:
+        """Where others will be after this cycle (p,), and what they did to the distances in the last one.
+
+        Args:
+            q: the arm's joints (n,) [rad or m].
+            found: what the checker says there.
+            others: where others are (p,); None: where they are by default.
+            before: where they were in the last cycle (p,); None: nothing moves.
+
+        Returns:
+            The positions, and the change of each distance found (k,) [m]; None: none moves.
+        """
+        if others is None or before is None or not all_finite(before) or (others == before).all():
+            return others, None
+        farthest = 2.0 * self._influence
+        was, now = nearest_of(self.ask(q, before, farthest)), nearest_of(found)
+        changes = []
+        for i, d in enumerate(found.distances().tolist()):
+            pair = pair_of(found, i)
+            changes.append(min(now[pair] - was.get(pair, farthest), d))
+        moved = np.maximum(changes, -self._influence)
+        return others + (others - before), moved
 
     @property
     def num_positions(self) -> int:

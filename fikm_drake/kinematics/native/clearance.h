@@ -245,7 +245,8 @@ static void shorten(Clear *c) {
     for (int64_t j = 0; j < n && farthest > c->zone; j++) c->taken[j] *= c->zone / farthest;
 }
 
-/* One call of a cycle: TAKE with raw pairs, which counts those that the joints feel, in `near`; BEGIN with a
+/* One call of a cycle: TAKE with raw pairs, which counts those that the joints feel, in `near`, and
+ * finds the `distance` of the nearest; BEGIN with a
  * step; GO_ON with the bounds that were wanted; LOOKED with
  * the raw pairs after `taken`, which are corrected if `correct`; FINISH with what became of it. */
 int fikm_clear(Clear *c, int stage) {
@@ -253,13 +254,13 @@ int fikm_clear(Clear *c, int stage) {
     if (stage == FINISH) return finish(c);
     if (stage == TAKE) {
         c->near = take(c, 0);
+        c->distance = nearest(c->distances, c->near);
         return c->near < 0 ? TO_NUMPY : CLEARED;
     }
     if (stage == BEGIN) {
         int quiet = !c->moves;
         shorten(c);
         c->row = -1, c->blocked = 0, c->looked = 0;
-        c->distance = nearest(c->distances, near);
         memcpy(c->asked, c->taken, sizeof c->asked);
         for (int64_t i = 0; i < near; i++) {
             double gap = c->distances[i] - c->safe, change = dot(c->rows + i * n, c->taken, n);

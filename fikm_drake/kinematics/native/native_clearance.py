@@ -179,6 +179,11 @@ class NativeClearStep(threading.local):
             return -1
         return self._fields.near
 
+    @property
+    def distance(self) -> float:
+        """Of the nearest pair that was taken up [m]; inf: there is none."""
+        return self._fields.distance
+
     def read(self, found: RobotClearance, padded: bool, moved: Array | None = None) -> bool:
         """Copy what a checker says, for the kernel to take up; False if it is too much.
 
