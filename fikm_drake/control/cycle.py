@@ -237,10 +237,8 @@ class ControlCycle:
         else:
             taken = self.guard(step, *box.bounds(state.velocity))
             command = self.limits.add(state.command, taken)
-        return Tick(
-            *(valid, error, size, gain, filtered_gain, filtered_error),
-            *(taken, command, step, limited, cleared),
-        )
+        so_far = (valid, error, size, gain, filtered_gain, filtered_error)
+        return Tick(*so_far, taken, command, step, limited, cleared)
 
     def advance(
         self, state: CycleState, target: Any, q: Array, tick: Tick, others: Array | None = None
@@ -263,8 +261,10 @@ class ControlCycle:
                 self.task.target_coordinates(target),
                 q - state.command if self.config.measured_position else None,
             )
-        state.velocity[:] = (tick.command - state.command) * self._rate
-        state.command[:] = tick.command
+        velocity, command = state.velocity, state.command
+        np.subtract(tick.command, command, velocity)
+        velocity *= self._rate
+        command[:] = tick.command
         state.gain[0], state.error[:] = tick.filtered_gain, tick.filtered_error
 
     def status(

@@ -135,7 +135,7 @@ class GainSupervision:
         """The gain for an error of length `error` [m]."""
         if self.native:
             return self.native.gain(memory, error)
-        known, calm, changes, _ = memory[:4].tolist()
+        known, calm, changes, *numbers = memory[: self._errors.stop].tolist()
         if self._error_limit < error < inf:
             error = self._error_limit
         if not 0.0 < error < inf:
@@ -143,7 +143,7 @@ class GainSupervision:
         elif known + 1 < self._window:
             relative = self._medium
         else:
-            errors = memory[self._errors].tolist()
+            errors = numbers[-self._window :]
             errors[int(known) % self._window] = error  # in place of the oldest
             relative = error * self._window / sum(errors)
         gain: float = self.rules.evaluate(relative, changes)
@@ -208,7 +208,7 @@ class GainSupervision:
         """
         if self.native:
             return self.native.remember_turns(memory, error, joint_step)
-        known, calm, changes, watched = memory[:4].tolist()
+        known, calm, changes, watched, last, late, turns, ticks = memory[:JOINT].tolist()
         size = length(error) if size is None else size
         if 0.0 < size < inf:
             memory[self._errors.start + int(known) % self._window] = min(size, self._error_limit)
@@ -221,16 +221,14 @@ class GainSupervision:
         if not (turned or watched or changes):
             return False
         if turned or changes:  # else the ring is empty
-            self._count_changes(memory, turned)
-        memory[TICKS] += 1.0
+            self._count_changes(memory, turned, int(ticks))
+        memory[TICKS] = ticks + 1.0
         if turned:
-            late, last = memory[TURN_BEFORE], memory[TURN]
-            memory[TURNS] += 1.0
-            memory[TURN_BEFORE], memory[TURN] = last, known
+            memory[TURN], memory[TURN_BEFORE], memory[TURNS] = known, last, turns + 1.0
             if not watched and known - late <= self._slow_window:
                 watched = memory[WATCHED] = memory[TURNS] = 1.0
                 self._windows.start(memory[self._motion])
-        elif watched and calm == 1.0 and known - memory[TURN] >= self._slow_window:
+        elif watched and calm == 1.0 and known - last >= self._slow_window:
             watched, memory[WATCHED], memory[JOINT] = 0.0, 0.0, -1.0
         if not watched or (calm == 1.0 and size <= self._tolerance):
             return False
@@ -258,11 +256,10 @@ class GainSupervision:
             deviation = None
         if size <= self._tolerance:  # to and fro there is nothing to calm
             joint_step, square, turned = 0.0 * joint_step, 0.0, []
-        shift = self._windows.add(
-            seen, size, error, target, joint_step, sqrt(square), turned, deviation
-        )
+        went = sqrt(square)
+        shift = self._windows.add(seen, size, error, target, joint_step, went, turned, deviation)
         if memory[CALM] < 1.0 or memory[TURNS] >= self._threshold:
-            self._set_calm(memory, size, shift)
+            self._set_calm(memory, size, shift, went)
 
     def _options(self, sizes: tuple[int, ...], config: GainSupervisorConfig) -> Array:
         """What the native kernel is told, in the order of `native/supervision.h`."""
@@ -282,22 +279,23 @@ class GainSupervision:
                     turned.append(j)
         return turned
 
-    def _count_changes(self, memory: Array, turned: list[int]) -> None:
+    def _count_changes(self, memory: Array, turned: list[int], tick: int) -> None:
         """Write the joints that turned round in place of the oldest of the ring, and count anew."""
         ring = memory[self._flips].reshape(-1, self._num_joints)
-        oldest = ring[int(memory[TICKS]) % len(ring)]
+        oldest = ring[tick % len(ring)]
         if turned or any(oldest.tolist()):  # else the counts stay
             oldest[:] = 0.0
             for joint in turned:
                 oldest[joint] = 1.0
             memory[CHANGES] = max(np.add.reduce(ring).tolist())
 
-    def _set_calm(self, memory: Array, size: float, shift: float) -> None:
-        """The calm of the next cycle, after an error of length `size` and a target that moved by `shift`."""
+    def _set_calm(self, memory: Array, size: float, shift: float, went: float) -> None:
+        """The calm after an error of length `size`; the target moved by `shift`, the joints by `went`."""
+        little = AT_REST * (self._window - 1)
         windows, seen, rule = self._windows, memory[self._motion], self._rule
         before = calm = float(memory[CALM])
         if calm == 1.0 and rule.too_few(windows.most_changes(seen)):  # as in most cycles
-            path_step = windows.path_step(seen)
+            path_step = went if went >= little else windows.path_step(seen)
         else:
             fast, slow = windows.motions(seen)
             path_step = fast.path_step
@@ -314,7 +312,7 @@ class GainSupervision:
                 else:
                     calm = rule.undisturbed(calm, size, fast, slow, rests=bool(memory[RESTS]))
         if windows.cycles(seen) >= self._window - 1:
-            memory[RESTS] = path_step < AT_REST * (self._window - 1)
+            memory[RESTS] = path_step < little
         if calm <= rule.damped_first < before:
             windows.forget_turns(seen)  # less gain only if they shake with all the damping too
         memory[CALM] = calm

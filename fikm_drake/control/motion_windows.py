@@ -15,9 +15,9 @@ DOMINANT = 0.05
 FADING = 0.9
 """The largest step of late fades by this factor a cycle [-]."""
 
-CYCLES, LARGEST, LAST_SIZE = range(3)
+CYCLES, LARGEST, LAST_SIZE, MOST_CHANGES = range(4)
 """Where the first numbers of the memory are: cycles so far, the largest joint step of late, the last error's
-length (negative: there is none)."""
+length (negative: there is none), changes of sign of the joint that has most in the slow window."""
 
 
 class Motion(NamedTuple):
@@ -88,6 +88,7 @@ class MotionWindows:
             ("cycles", "f8"),
             ("largest", "f8"),
             ("last_size", "f8"),
+            ("most_changes", "f8"),
             ("last_error", "f8", (num_rows,)),
             ("last_target", "f8", (num_coordinates,)),
             ("last_deviation", "f8", (num_joints,)),
@@ -105,11 +106,11 @@ class MotionWindows:
     def start(self, memory: Array) -> None:
         """Begin with empty windows."""
         memory[self._rings] = 0.0
-        memory[[CYCLES, LARGEST, LAST_SIZE]] = 0.0, 0.0, -1.0
+        memory[: MOST_CHANGES + 1] = 0.0, 0.0, -1.0, 0.0
 
     def forget_turns(self, memory: Array) -> None:
         """Count changes of sign anew; what was gone and how stays known."""
-        self._both(memory)[:, :, self._flips] = 0.0
+        self._both(memory)[:, :, self._flips] = memory[MOST_CHANGES] = 0.0
 
     def last(self, memory: Array) -> tuple[float, Array, Array]:
         """Of the last cycle the error's length [m], the error and the target: views."""
@@ -137,12 +138,8 @@ class MotionWindows:
         Returns:
             how far the target moved in it [m].
         """
-        known, largest, last_size = memory[:3].tolist()
-        cycle, last_error, last_target = (
-            int(known),
-            memory[self._last_error],
-            memory[self._last_target],
-        )
+        known, largest, last_size = memory[:MOST_CHANGES].tolist()
+        last_error, last_target = memory[self._last_error], memory[self._last_target]
         if last_size < 0.0:  # nothing to compare with
             last_error[:], last_target[:] = error, target
             memory[self._last_deviation] = 0.0 if deviation is None else deviation
@@ -152,26 +149,29 @@ class MotionWindows:
             change = deviation - memory[self._last_deviation]
             strayed = sqrt(change.dot(change))
             memory[self._last_deviation] = deviation
+        cycle, steps = int(known), step.tolist()
         row = self._row(memory, self._fast, cycle)
         row[self._step] = step
         moved, shifted = row[self._error], row[self._target]
         np.subtract(error, last_error, moved)
         np.subtract(target, last_target, shifted)
         last_error[:], last_target[:] = error, target
-        sizes = [abs(x) for x in step.tolist()]
-        largest = max(*sizes, FADING * largest)
+        largest = max(max(steps), -min(steps), FADING * largest)
         row[self._flips] = 0.0
         for joint in turned:
-            row[self._flips.start + joint] = sizes[joint] > DOMINANT * largest
-        fall, shift = last_size - size, sqrt(shifted.dot(shifted))
-        path = sqrt(moved.dot(moved))
+            row[self._flips.start + joint] = abs(steps[joint]) > DOMINANT * largest
+        fall, path, shift = last_size - size, sqrt(moved.dot(moved)), sqrt(shifted.dot(shifted))
         row[self._lengths] = length, path, shift, max(size, 0.0), fall, abs(fall), strayed
         block = self._row(memory, self._slow, cycle // self._block)
-        if cycle % self._block:
-            block += row
-        else:
+        begins = cycle % self._block == 0
+        if begins:
             block[:] = row
+        else:
+            block += row
         memory[CYCLES], memory[LARGEST], memory[LAST_SIZE] = known + 1.0, largest, size
+        if begins or turned:
+            flips = self._both(memory)[1, :, self._flips]
+            memory[MOST_CHANGES] = max(np.add.reduce(flips).tolist())
         return shift
 
     def path_step(self, memory: Array) -> float:
@@ -180,7 +180,7 @@ class MotionWindows:
 
     def most_changes(self, memory: Array) -> float:
         """Changes of sign of the joint that has most in the slow window, of which the fast one is a part."""
-        return max(np.add.reduce(self._both(memory)[1, :, self._flips]).tolist())
+        return float(memory[MOST_CHANGES])
 
     def motions(self, memory: Array) -> tuple[Motion, Motion]:
         """The motions of the fast and of the slow window."""

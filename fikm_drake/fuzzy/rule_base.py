@@ -120,6 +120,8 @@ class RuleBase:
         j, g = self._second.locate(y)
         low = self._rows[i]
         high = self._rows[i + 1]
+        if g == 0.0:  # as it often is, and the same number
+            return (1.0 - f) * low[j] + f * high[j]
         k = j + 1
         h = 1.0 - g
         return (1.0 - f) * (h * low[j] + g * low[k]) + f * (h * high[j] + g * high[k])

@@ -244,8 +244,7 @@ class FuzzyMapping:
         largest = max(values)
         zero = self.zero_threshold * largest
         if floor and largest:
-            floor *= largest
-            sums = np.sqrt(sums * sums + floor * floor)
+            sums = np.hypot(sums, floor * largest)
         elif min(values) <= zero:
             sums[sums <= zero] = inf
         return sums

@@ -162,7 +162,7 @@ class FusedFuzzyIk(LeafSystem):
 
     def _state(self, command: Array, velocity: Array, memory: Array) -> CycleState:
         """The state by its names; what is written there is written to the vectors."""
-        return CycleState(command, velocity, *[memory[part] for part in self._parts])
+        return CycleState(command, velocity, *map(memory.__getitem__, self._parts))
 
     def _tick(self, context: Context) -> tuple[CycleState, Tick]:
         command, velocity, memory = (context.get_discrete_state(i).value() for i in range(3))

@@ -13,7 +13,7 @@ enum { KNOWN, CALM, TURNS_OF_MOST, WATCHED, TURN, TURN_BEFORE, TURNS, TICKS, SHA
 
 /* Where the windows of motion are in the memory. */
 typedef struct {
-    double *cycles, *largest, *last_size, *last_error, *last_target, *last_deviation, *fast, *slow;
+    double *cycles, *largest, *last_size, *most, *last_error, *last_target, *last_deviation, *fast, *slow;
     int n, m, c, rows, size, block;
 } Windows;
 
@@ -23,7 +23,8 @@ static Windows windows_of(double *memory, const double *o) {
     w.block = ((int)o[S_SLOW_WINDOW] - 1) / w.rows;
     if (w.block < 1) w.block = 1;
     w.cycles = memory + ERRORS + w.rows + 1 + w.n * (1 + w.rows);
-    w.largest = w.cycles + 1, w.last_size = w.cycles + 2, w.last_error = w.cycles + 3;
+    w.largest = w.cycles + 1, w.last_size = w.cycles + 2, w.most = w.cycles + 3;
+    w.last_error = w.cycles + 4;
     w.last_target = w.last_error + w.m, w.last_deviation = w.last_target + w.c;
     w.fast = w.last_deviation + w.n, w.slow = w.fast + w.rows * w.size;
     return w;
@@ -37,7 +38,7 @@ static double square_of(const double *x, int count) {
 
 static void start_windows(Windows *w) {
     memset(w->fast, 0, sizeof(double) * 2 * (size_t)(w->rows * w->size));
-    *w->cycles = *w->largest = 0.0, *w->last_size = -1.0;
+    *w->cycles = *w->largest = *w->most = 0.0, *w->last_size = -1.0;
 }
 
 static double damping_of(const double *memory, const double *o) {
@@ -157,7 +158,12 @@ static double add_motion(Windows *w, const double *o, double size, const double 
     double *block = w->slow + w->size * (cycles / w->block % w->rows);
     if (cycles % w->block) for (int i = 0; i < w->size; i++) block[i] += row[i];
     else memcpy(block, row, sizeof(double) * (size_t)w->size);
-    *w->cycles = cycles + 1, *w->largest = most, *w->last_size = size;
+    *w->cycles = cycles + 1, *w->largest = most, *w->last_size = size, *w->most = 0.0;
+    for (int j = 0; j < n; j++) {
+        double count = 0.0;
+        for (int i = 0; i < w->rows; i++) count += w->slow[i * w->size + n + w->m + w->c + j];
+        *w->most = fmax(*w->most, count);
+    }
     return sqrt(shift);
 }
 
@@ -256,6 +262,6 @@ void fikm_remember_motion(double *memory, const double *o, double *seen, const d
     if (*w.cycles >= w.rows) memory[RESTS] = fast.path_step < o[S_AT_REST] * w.rows;
     if (calm <= o[S_DAMPED_FIRST] && o[S_DAMPED_FIRST] < before) /* less gain only if they shake damped too */
         for (int i = 0; i < 2 * w.rows; i++)
-            memset(w.fast + i * w.size + w.n + w.m + w.c, 0, sizeof(double) * (size_t)w.n);
+            memset(w.fast + i * w.size + w.n + w.m + w.c, 0, sizeof(double) * (size_t)w.n), *w.most = 0.0;
     memory[CALM] = calm;
 }
