@@ -18,6 +18,7 @@ from fikm_drake.control.clearance_config import (
 )
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.near_pairs import Near, NearPairs, pair_of
+from fikm_drake.control.steps import length
 from fikm_drake.kinematics.checker_joints import arm_joint_names, joint_reach
 from fikm_drake.kinematics.native.kernel import kernel
 from fikm_drake.kinematics.native.native_clearance import NativeAnswer, NativeClearStep
@@ -273,7 +274,7 @@ class Clearance:
             velocity: the last change of the command over the period (n,) [rad/s or m/s].
             others_before: where others were in the last cycle (p,).
         """
-        if box.surely_holds(step):
+        if box.surely_holds(length(step)):
             bounds = partial(box.bounds, velocity)
             return self.keep(around, step, J=J, bounds=bounds, others_before=others_before)
         low, high = box.bounds(velocity)

@@ -135,7 +135,8 @@ class GainSupervision:
         """The gain for an error of length `error` [m]."""
         if self.native:
             return self.native.gain(memory, error)
-        known, calm, changes, *numbers = memory[: self._errors.stop].tolist()
+        numbers = memory[: self._errors.stop].tolist()
+        known, calm, changes = numbers[:WATCHED]
         if self._error_limit < error < inf:
             error = self._error_limit
         if not 0.0 < error < inf:

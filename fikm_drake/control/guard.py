@@ -7,6 +7,7 @@ import numpy as np
 from fikm_drake.arrays import Array, all_finite
 from fikm_drake.checks import check_positive
 from fikm_drake.control.joint_limits import SURE, StepBox
+from fikm_drake.control.steps import length
 
 ROUNDED = 1.0 + 1e-14
 """The square of a step that was shortened may be as much too long [-]: it is not shortened again."""
@@ -42,7 +43,8 @@ class Guard:
 
     def surely_passes(self, step: Array, box: StepBox) -> bool:
         """True if a step (n,) is so short that it passes as it is; False says nothing."""
-        return box.surely_holds(step, self.max_joint_step * SURE)
+        size = length(step)
+        return size <= self.max_joint_step * SURE and box.surely_holds(size)
 
     def __call__(self, step: Array, low: Array, high: Array) -> Array:
         """The step (n,) that is taken [rad or m].

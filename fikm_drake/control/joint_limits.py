@@ -61,7 +61,7 @@ class JointLimits:
         """Whether a joint has a limit of acceleration."""
         self._fast = bool(np.isfinite(self.fastest).any())
         self._all_may = float(self.fastest.min())
-        self._ranges = list(zip(self.lower.tolist(), self.upper.tolist()))
+        self._ends = self.lower.tolist(), self.upper.tolist()
 
     def room(self, position: Array) -> float:
         """A step that is shorter than this is inside the bounds and leads to no limit [rad or m].
@@ -74,13 +74,12 @@ class JointLimits:
         if self.brakes:
             return 0.0
         room = self._all_may
-        for q, (lower, upper) in zip(position.tolist(), self._ranges):
-            distance = q - lower if q - lower < upper - q else upper - q
-            if not distance > NEAR:
-                return 0.0
-            if distance < room:
-                room = distance
-        return SURE * room
+        for q, lower, upper in zip(position.tolist(), *self._ends):
+            if q - lower < room:
+                room = q - lower
+            if upper - q < room:
+                room = upper - q
+        return SURE * room if room > NEAR else 0.0
 
     def step_bounds(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """The least and the greatest step (n,), (n,) of each joint in this cycle [rad or m].
@@ -197,13 +196,9 @@ class StepBox:
         self.limits, self._command = limits, command
         self._room = limits.room(command)
 
-    def surely_holds(self, step: Array, longest: float = inf) -> bool:
-        """True if a step (n,) is so short that it is inside all bounds, and shorter than `longest`.
-
-        False says nothing.
-        """
-        enough = self._room if self._room < longest else longest
-        return bool(step.dot(step) < enough * enough)
+    def surely_holds(self, length: float) -> bool:
+        """True if a step of this length is inside all bounds, whatever its direction; False says nothing."""
+        return length < self._room
 
     @cached_property
     def steady_bounds(self) -> tuple[Array, Array]:

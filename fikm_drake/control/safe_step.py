@@ -67,7 +67,8 @@ class SafeStep:
             damping: for a law that takes it [-], else None.
         """
         step, _, _ = self._free(q, J, error, damping)
-        return self._short(step, length(error), J)
+        size, asked = length(step), length(error)
+        return step if self._passes(size, asked) else self._short(step, size, asked, J)
 
     def inside(
         self,
@@ -100,8 +101,9 @@ class SafeStep:
         if asked == inf:
             return np.zeros(len(q)), False
         free, weights, secondary = self._free(q, J, error, damping)
-        short = self._short(free, asked, J)
-        if box.surely_holds(short):
+        size = length(free)
+        short = free if self._passes(size, asked) else self._short(free, size, asked, J)
+        if box.surely_holds(size if short is free else length(short)):
             return short, False
         limits, (low, high) = box.limits, box.steady_bounds
         if not resolved:
@@ -149,23 +151,21 @@ class SafeStep:
             step = step + secondary
         return step, weights, secondary
 
-    def _short(self, step: Array, asked: float, J: Array) -> Array:
-        """The step, no longer than the longest, aside where it is dead, zeros if it is not finite.
+    def _passes(self, size: float, asked: float) -> bool:
+        """True if a step of this length is neither too long nor dead, for an error of length `asked`."""
+        return self.dead * asked <= size <= self.longest and size < inf
 
-        `asked` is the length of the error that it is for [m].
-        """
-        size = length(step)
+    def _short(self, step: Array, size: float, asked: float, J: Array) -> Array:
+        """The step no longer than the longest, aside where it is dead, zeros if it is not finite."""
         if size == inf:
             return np.zeros(len(step))
         if size > self.longest:
             return step * (self.longest / size)
-        if self.dead and size < self.dead * asked:
-            reach = np.abs(J).max(axis=0)
-            moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
-            aside_too = step + self.side_step * asked * aside(len(step)) * moving
-            size = length(aside_too)
-            return aside_too * (self.longest / size) if size > self.longest else aside_too
-        return step
+        reach = np.abs(J).max(axis=0)
+        moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
+        aside_too = step + self.side_step * asked * aside(len(step)) * moving
+        size = length(aside_too)
+        return aside_too * (self.longest / size) if size > self.longest else aside_too
 
 
 @cache

@@ -77,6 +77,7 @@ class PlantArm(ChainLimits):
         self._columns = None if np.array_equal(velocities, everything) else velocities
         # Bound methods, looked up once.
         self._set_positions = plant.SetPositions
+        self._calc_pose = tool.CalcPoseInWorld
         self._calc_spatial = plant.CalcJacobianSpatialVelocity
         self._calc_translational = plant.CalcJacobianTranslationalVelocity
 
@@ -97,7 +98,7 @@ class PlantArm(ChainLimits):
     def pose(self, context: Any) -> RigidTransform:
         """X_AE in a Context of `context_at`."""
         if self._in_world:  # the same, cheaper
-            return self._tool.CalcPoseInWorld(context)
+            return self._calc_pose(context)
         return self._tool.CalcPose(context, self._base)
 
     def spatial_jacobian(self, context: Any) -> Array:
