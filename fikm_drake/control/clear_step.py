@@ -150,9 +150,10 @@ class ClearStep:
         asked = step
         step, pushes = project(asked, rows, least, self.tolerance, metric)
         step = kept(step, rows, least, self.tolerance)
-        step = self._looked_at(step, distance, rows, least, metric, look)
-        if J is not None and not (least > 2.0 * self.tolerance).any():
-            step = step * _use(J.dot(asked), J.dot(step))
+        rests = None if (least > 2.0 * self.tolerance).any() else J
+        step = _used(step, asked, rests)  # an arm that is stuck has nothing to look at
+        looked = self._looked_at(step, distance, rows, least, metric, look)
+        step = step if looked is step else _used(looked, asked, rests)
         pushes = pushes[: len(distances)]
         row = int(pushes.argmax()) if pushes.any() else NO_ROW
         lost, whole = (asked - step, asked) if J is None else (J.dot(asked - step), J.dot(asked))
@@ -205,14 +206,17 @@ def inside(step: Array, low: Array, high: Array) -> bool:
     return bool(((step >= low) & (step <= high)).all())
 
 
-def _use(asked: Array, left: Array) -> float:
-    """1, less where next to nothing is left of the task's motion (m,): an arm that is stuck shall rest.
+def _used(step: Array, asked: Array, J: Array | None) -> Array:
+    """The step, less where next to nothing is left of the task's motion: an arm that is stuck shall rest.
 
     What would go on is a drift of its joints along the obstacle, which brings the tool no nearer.
     """
-    whole = float(asked.dot(asked))
+    if J is None:
+        return step
+    way = J.dot(asked)
+    whole = float(way.dot(way))
     if whole == 0.0:
-        return 1.0
+        return step
     nothing, something = USELESS
-    use = (float(left.dot(asked)) / whole - nothing) / (something - nothing)
-    return min(1.0, max(0.0, use))
+    use = (float(J.dot(step).dot(way)) / whole - nothing) / (something - nothing)
+    return step * min(1.0, max(0.0, use))

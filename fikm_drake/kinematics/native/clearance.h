@@ -198,19 +198,24 @@ static double least_change(const Clear *c, double gap, double change) {
     return fmin(-(1.0 - exp(-rate * c->period)) * gap, c->retreat * c->period);
 }
 
-static int finish(Clear *c) {
-    int64_t rests = 1, count = c->near + 2 * c->n, n = c->n, m = c->m;
-    double lost = 0.0, whole = 0.0, left = 0.0;
-    for (int64_t i = 0; i < count; i++) if (c->least[i] > 2.0 * c->tolerance) rests = 0;
-    for (int64_t i = 0; m && rests && i < m; i++) {
+/* `_used`: less of `taken` where next to nothing is left of the task's motion. */
+static void use(Clear *c) {
+    int64_t count = c->near + 2 * c->n, n = c->n, m = c->m;
+    double whole = 0.0, left = 0.0;
+    for (int64_t i = 0; i < count; i++) if (c->least[i] > 2.0 * c->tolerance) return;
+    for (int64_t i = 0; i < m; i++) {
         double a = dot(c->J + i * n, c->asked, n);
         whole += a * a, left += a * dot(c->J + i * n, c->taken, n);
     }
-    if (whole > 0.0) {
-        double use = fmin(fmax((left / whole - c->nothing) / (c->something - c->nothing), 0.0), 1.0);
-        for (int64_t j = 0; j < n; j++) c->taken[j] *= use;
-    }
-    whole = 0.0;
+    if (!(whole > 0.0)) return;
+    double part = fmin(fmax((left / whole - c->nothing) / (c->something - c->nothing), 0.0), 1.0);
+    for (int64_t j = 0; j < n; j++) c->taken[j] *= part;
+}
+
+static int finish(Clear *c) {
+    int64_t n = c->n, m = c->m;
+    double lost = 0.0, whole = 0.0;
+    if (c->looked) use(c); /* it was corrected */
     for (int64_t i = 0; i < (m ? m : n); i++) {
         double a = m ? dot(c->J + i * n, c->asked, n) : c->asked[i];
         double b = a - (m ? dot(c->J + i * n, c->taken, n) : c->taken[i]);
@@ -292,6 +297,7 @@ int fikm_clear(Clear *c, int stage) {
                 factor = fmin(factor, c->least[i] / change);
         }
         for (int64_t j = 0; j < n; j++) c->taken[j] *= factor;
+        use(c);
         return safe_anyway(c) ? finish(c) : WANT_LOOK;
     }
     double floor_ = fmin(c->safe - c->loss, c->distance), pushes[NEAR_PAIRS];
