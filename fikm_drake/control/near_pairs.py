@@ -54,6 +54,8 @@ class NearPairs:
         self.indices = checker_indices(checker, joints)
         self._influence = influence_distance
         self._padded = checker.GetLargestPadding
+        self._paddings, self._filters = checker.GetPaddingMatrix, checker.GetFilteredCollisionMatrix
+        self._added = checker.GetAllAddedCollisionShapes
         self._calc = checker.CalcContextRobotClearance
         self._scratch = _Scratch(checker)
         self._plant = checker.plant()
@@ -134,6 +136,13 @@ class NearPairs:
     def padded(self) -> bool:
         """The checker has paddings."""
         return self._padded() > 0.0
+
+    @property
+    def world(self) -> bytes | None:
+        """What an answer depends on beside positions, as far as it can change; None: that cannot be told."""
+        if self._added():
+            return None
+        return self._paddings().tobytes() + self._filters().tobytes()
 
     def _full(self, q: Array, others: Array | None) -> Array:
         if self._alone:
