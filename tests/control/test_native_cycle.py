@@ -5,6 +5,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+from pydrake.geometry import Sphere
 from pydrake.math import RigidTransform
 
 import fikm_drake as fd
@@ -17,6 +18,7 @@ from fikm_drake.control.native_cycle import (
     search_place,
 )
 from fikm_drake.control.native_safe_step import native_safe_step
+from fikm_drake.control.near_pairs import NearPairs
 from fikm_drake.control.restart_state import RestartState
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.fuzz.native_fuzz import native_case
@@ -206,6 +208,33 @@ def test_among_obstacles_it_equals_numpys(arm, kind, task, search):
         assert found["pushed"] > 50
     if arm == "panda" and search:
         assert found[RestartState.SEARCHING] > 5 and found[RestartState.UNDERWAY] > 5
+
+
+def test_what_was_looked_at_ahead_is_not_asked_again(monkeypatch):
+    """An arm slides along obstacles: the end of its step is where it is next. A new shape is seen at once."""
+    plain, native, state, target = scene_cycles("panda", "boxes", "pose")
+    checker, asked, ask = plain.clearance._checker, [], NearPairs.ask
+
+    def count(self, *inputs):
+        asked.append(self)
+        return ask(self, *inputs)
+
+    monkeypatch.setattr(NearPairs, "ask", count)
+    for k in range(300):
+        if k == 200:
+            times = asked.count(native._cycle.clearance.near)
+            body = checker.plant().GetBodyByName("tool")
+            held = RigidTransform([0.0, 0.0, 0.1])
+            assert checker.AddCollisionShapeToBody("held", body, Sphere(0.15), held)
+        own = [state.command.copy(), state.velocity.copy(), packed(state)]
+        done = native.advance(*own, target, state.command)
+        with numpy_only():
+            tick = plain.tick(state, target, state.command)
+            plain.advance(state, target, state.command, tick)
+        if done:
+            np.testing.assert_allclose(own[0], state.command, rtol=1e-9, atol=1e-12)
+            state.command[:] = own[0]  # to the bit what was looked at
+    assert times < 1.4 * 200
 
 
 def test_obstacles_that_move_are_told():
