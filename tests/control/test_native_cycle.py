@@ -220,12 +220,12 @@ def test_what_was_looked_at_ahead_is_not_asked_again(monkeypatch):
         return ask(self, *inputs)
 
     monkeypatch.setattr(NearPairs, "ask", count)
-    for k in range(300):
-        if k == 200:
+    for k in range(120):
+        if k == 100:
             times = asked.count(native._cycle.clearance.near)
             body = checker.plant().GetBodyByName("tool")
             held = RigidTransform([0.0, 0.0, 0.1])
-            assert checker.AddCollisionShapeToBody("held", body, Sphere(0.15), held)
+            assert checker.AddCollisionShapeToBody("held", body, Sphere(0.4), held)
         own = [state.command.copy(), state.velocity.copy(), packed(state)]
         done = native.advance(*own, target, state.command)
         with numpy_only():
@@ -234,7 +234,7 @@ def test_what_was_looked_at_ahead_is_not_asked_again(monkeypatch):
         if done:
             np.testing.assert_allclose(own[0], state.command, rtol=1e-9, atol=1e-12)
             state.command[:] = own[0]  # to the bit what was looked at
-    assert times < 1.4 * 200
+    assert times < 1.4 * 100
 
 
 def test_obstacles_that_move_are_told():
