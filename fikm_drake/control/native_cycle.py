@@ -11,14 +11,13 @@ from fikm_drake.control.clearance import ClearanceInfo, info_of
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
 from fikm_drake.control.near_pairs import NearPairs
-from fikm_drake.control.restart_state import RestartState
 from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel, address, kernel
 from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK, NativeClearStep
 from fikm_drake.kinematics.task_kinematics import PlantTask
 
 MOST_ROWS = 6
-UNDERWAY = float(RestartState.UNDERWAY)
-"""A number of numpy takes long to be compared with an enum."""
+SEARCH_LEFT, POSTURE_PASSED = 2, 3
+"""What the kernel answers of a cycle whose restart search Python goes on with; 0: it leaves all to Python."""
 PARTS = {
     "numbers": 4,
     "error": MOST_ROWS,
@@ -65,14 +64,14 @@ class NativeCycle(threading.local):
         self._command, self._velocity = np.zeros(n), np.zeros(n)
         self._memory = np.zeros(self._used.stop)
         self._target = np.zeros((3, 4) if task.port == "desired_pose" else m)
-        self._q, self._way, self._end = np.zeros(n), np.zeros(n), np.zeros(n)
+        self._q, self._posture, self._end = np.zeros(n), np.zeros(n), np.zeros(n)
         self._ahead: tuple[int, bytes | None, Array | None] = (-1, None, None)
         self._numbers = task.target_numbers
         self._run, self._ask, self._go = loaded.cycle, loaded.ask_clear, loaded.cycle_clear
         self._computed = np.zeros(sum(PARTS.values()))
         own = self._command, self._velocity, self._memory
         self._at_inputs = tuple(map(address, (options, *own, self._target, self._q)))
-        self._at_way, self._at_computed = address(self._way), address(self._computed)
+        self._at_posture, self._at_computed = address(self._posture), address(self._computed)
 
     def __reduce__(self) -> tuple:
         """Pickled as what it was made of: addresses hold in one process only."""
@@ -104,9 +103,11 @@ class NativeCycle(threading.local):
         if not done:
             return False
         command[:], velocity[:], memory[self._used] = self._command, self._velocity, self._memory
-        if done == 2 and self._restart:
+        if self._restart and done == SEARCH_LEFT:
             size = float(self._computed[0])
             self._restart.remember(memory[self._search], target, self._q.copy(), size, others)
+        elif self._restart and done == POSTURE_PASSED:
+            self._restart.pass_posture(memory[self._search])
         if others is not None:
             memory[self._others] = others
         return True
@@ -150,12 +151,13 @@ class NativeCycle(threading.local):
         # Sooner done than to ask for addresses.
         self._command[:], self._velocity[:] = command, velocity
         self._memory[:] = memory[self._used]
-        at_way = None
-        if self._restart and memory.item(self._search.start) == UNDERWAY:
-            self._way[:] = self._restart.step(memory[self._search], self._q, self._way)
-            at_way = self._at_way
+        at_posture = None
+        if self._restart:
+            posture = self._restart.posture(memory[self._search])
+            if posture is not None:
+                self._posture[:], at_posture = posture, self._at_posture
         if self._among is None:
-            return self._run(*self._at_inputs, at_way, peek, self._at_computed), UNTOUCHED
+            return self._run(*self._at_inputs, at_posture, peek, self._at_computed), UNTOUCHED
         (near, clear), q = self._among, self._q
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return 0, UNTOUCHED
@@ -165,14 +167,14 @@ class NativeCycle(threading.local):
             after, moved = near.moving(q, found, others, memory[self._others])
             if not clear.read(found, near.padded, moved):
                 return 0, UNTOUCHED
-        answer = self._ask(*self._at_inputs, at_way, clear.at, self._at_computed)
+        answer = self._ask(*self._at_inputs, at_posture, clear.at, self._at_computed)
         if answer == WANT_LOOK:
             answer = clear.look(lambda step: near.ask(self._seen_at(q + step), after), LOOKS)
             if moved is None:
                 self._ahead = clear.taken, near.world, None if others is None else others.copy()
         if answer != CLEARED:
             return 0, UNTOUCHED
-        done = self._go(*self._at_inputs, clear.at, peek, self._at_computed)
+        done = self._go(*self._at_inputs, at_posture, clear.at, peek, self._at_computed)
         return done, info_of(clear.answer(), found) if found is not None and peek else UNTOUCHED
 
     def _seen_at(self, q: Array) -> Array:
@@ -220,9 +222,9 @@ def native_cycle(cycle: ControlCycle) -> NativeCycle | None:
         return None
     numbers = [config.error_limit, config.gain_smoothing, config.error_smoothing]
     numbers += [1.0 / config.period, config.measured_position, cycle.damped]
-    search = [0.0] * 5
+    search = [0.0] * 10
     if cycle.restart:
         start = cycle.start(task.arm.default_position)
-        search = [search_place(start).start, *cycle.restart.watching]
+        search = [search_place(start).start, *cycle.restart.numbers]
     parts = options, np.array(numbers, dtype=float), cycle.supervision.options, np.array(search)
     return NativeCycle(loaded, cycle, task, np.concatenate(parts))

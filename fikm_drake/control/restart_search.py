@@ -13,10 +13,10 @@ from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.native_descent import native_descent
+from fikm_drake.control.restart_starts import STARTS, RestartStarts
 from fikm_drake.control.restart_state import RestartState
 from fikm_drake.control.safe_step import SafeStep, aside
 from fikm_drake.control.steps import length
-from fikm_drake.kinematics.angles import nearest_turn
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
@@ -32,8 +32,6 @@ LOOKS = 4
 """Steps of the search in a control cycle [-]."""
 WINDOW, PROGRESS = 6, 0.3
 """A start of the search is given up unless `WINDOW` steps take away this fraction of its error [-]."""
-STARTS = 40
-"""Postures from which the search starts before it gives up [-]."""
 AGAIN = 25
 """Times that a way to the postures so far is searched for after the last start [-]."""
 ERROR_LIMIT = 0.1
@@ -48,9 +46,8 @@ PASSED = 0.02
 """Distance at which a posture in between is passed [rad or m]."""
 LANDING = 0.25
 """Of what is left of a way a cycle takes at most this fraction, so that filters of the error settle [-]."""
-WAY = 0.035
-"""A radian of way, at `pace` of what the slowest joint lets it, counts as this much of the
-longest error [1/rad]."""
+LOST = 10.0
+"""A posture with a longer error is none of the target any more [tolerances]."""
 LATE = 3.0
 """A way takes at most this many times as long as it should [-]."""
 
@@ -103,23 +100,26 @@ class RestartSearch:
         clearance: Clearance | None = None,
         task: TaskKinematics | None = None,
     ) -> None:
-        self._limits, self._longest_error = limits, longest_error
-        self._turning = np.zeros(len(lower), bool) if turning is None else turning
-        self._error_limit = ERROR_LIMIT * longest_error
+        self._limits, self._error_limit = limits, ERROR_LIMIT * longest_error
         self._own, self._rest = slice(4, 4 + len(lower)), slice(4 + len(lower), None)
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
         self._tolerance, self._pace = tolerance, pace
         law = FuzzyMapping(iterations=max(2, num_rows), damping=1e-3, row_floor=0.01)
         self._search_step = SafeStep(law, longest=1.0, limits=LimitWeights(lower, upper, ZONE))
-        # Joints without a limit start within half a turn of where they are.
-        self._free = ~np.isfinite(upper - lower)
-        low, high = (np.where(self._free, sign * np.pi, x) for sign, x in ((-1, lower), (1, upper)))
-        self._starts = low + (high - low) * np.random.default_rng(0).random((STARTS, len(lower)))
         self._native = None
         if task is not None:
             numbers = tolerance, self._error_limit, DAMPING, WINDOW, PROGRESS
             self._native = native_descent(task, law, self._search_step, numbers)
+        self._starts = RestartStarts(
+            self._errors,
+            lower=lower,
+            upper=upper,
+            pace=pace,
+            turning=turning,
+            longest_error=longest_error,
+            limits=limits,
+        )
         self._way = None
         if clearance is not None:
             self._way = ClearWay(clearance, pace=pace, lower=lower, upper=upper)
@@ -134,16 +134,29 @@ class RestartSearch:
         return RestartState(int(memory[0]))
 
     @property
-    def watching(self) -> tuple[float, ...]:
-        """What the native kernel takes to watch the law as `remember` does."""
-        return self._tolerance, AT_REST, APPROACH, PATIENCE
+    def numbers(self) -> tuple[float, ...]:
+        """What the native kernel takes to watch the law and to drive."""
+        watching = self._tolerance, AT_REST, APPROACH, PATIENCE
+        return *watching, self._pace, LANDING, NEAR, PASSED, LOST
+
+    def posture(self, memory: Array) -> Array | None:
+        """The posture (n,) to which the joints go now; None: the law leads."""
+        if memory.item(0) != RestartState.UNDERWAY:
+            return None
+        via = self._way.via(memory[self._rest]) if self._way else None
+        return memory[self._own] if via is None else via
+
+    def pass_posture(self, memory: Array) -> None:
+        """The joints are at the posture to which they went: on to the next, if there is one."""
+        if self._way and self._way.via(memory[self._rest]) is not None:
+            self._way.pass_via(memory[self._rest])
 
     def step(self, memory: Array, q: Array, joint_step: Array) -> Array:
         """The joint step (n,): on the way that to the posture, else the law's `joint_step`."""
-        if memory.item(0) != RestartState.UNDERWAY:
+        posture = self.posture(memory)
+        if posture is None:
             return joint_step
-        via = self._way.via(memory[self._rest]) if self._way else None
-        way = (memory[self._own] if via is None else via) - q
+        way = posture - q
         way = way * min(LANDING, self._pace / max(float(np.abs(way).max()), 1e-300))
         return self._limits.shorten(self._limits.brakeable(way)) if self._limits else way
 
@@ -204,7 +217,7 @@ class RestartSearch:
         dr, J = self._kinematics(desired, posture)
         size = length(dr)
         if size <= 0.5 * self._tolerance:
-            posture[:] = self._unwound(posture, q)
+            posture[:] = self._starts.unwound(posture, q)
             legs = [(q, posture)]
             if self._way:
                 found = self._way.look(memory[self._rest], q, posture, others)
@@ -214,7 +227,7 @@ class RestartSearch:
                     return
                 posture[:] = self._way.end(memory[self._rest])
                 legs = self._way.legs(memory[self._rest], q)
-            cycles = sum(self._cycles(a, b) for a, b in legs)
+            cycles = sum(self._starts.cycles(a, b) for a, b in legs)
             memory[:3] = RestartState.UNDERWAY, -LATE * cycles - PATIENCE, 0
             return
         if memory[1] % WINDOW == 0:
@@ -239,19 +252,15 @@ class RestartSearch:
             else:
                 memory[self._own] = goal
             return
-        starts = self._starts + np.where(self._free, q, 0.0)
-        starts = np.clip(starts, self._lower, self._upper)
-        sizes = self._errors(desired, starts) / self._longest_error
-        sizes += WAY * self._pace * self._cycles(q, self._unwound(starts, q))
-        memory[self._own] = starts[np.argsort(sizes, kind="stable")[start]]
+        memory[self._own] = self._starts(desired, q)[start]
 
     def _arrive(self, memory: Array, desired: Any, q: Array) -> None:
         """Leave it to the law at the end of the way, if it takes too long or if the target moved."""
+        posture = self.posture(memory)
         memory[1] += 1
-        via = self._way.via(memory[self._rest]) if self._way else None
-        if self._way and via is not None and np.abs(via - q).max() <= PASSED:
-            self._way.pass_via(memory[self._rest])
-        lost = length(self._kinematics(desired, memory[self._own])[0]) > 10.0 * self._tolerance
+        if posture is not None and np.abs(posture - q).max() <= PASSED:
+            self.pass_posture(memory)
+        lost = length(self._kinematics(desired, memory[self._own])[0]) > LOST * self._tolerance
         if memory[1] >= 0 or lost or np.abs(memory[self._own] - q).max() <= NEAR:
             memory[:4] = 0.0
 
@@ -260,21 +269,6 @@ class RestartSearch:
         if self._native:
             return self._native.sizes(desired, postures)
         return np.array([length(self._kinematics(desired, p)[0]) for p in postures])
-
-    def _cycles(self, q: Array, postures: Array) -> Array:
-        """Cycles that the straight ways to postures (…,n) take (…,), at the pace of their slowest joints."""
-        way = np.abs(postures - q)
-        longest = way.max(axis=-1)
-        if self._limits is None:
-            return longest / self._pace
-        steps = way * (self._pace / np.maximum(longest, 1e-300))[..., None]
-        excess = (steps / np.maximum(self._limits.fastest, 1e-300)).max(axis=-1)
-        return longest / self._pace * np.maximum(excess, 1.0)
-
-    def _unwound(self, posture: Array, q: Array) -> Array:
-        """The posture, its joints that turn as few turns from q as their limits allow."""
-        near = posture + np.where(self._turning, nearest_turn(posture, q), 0.0)
-        return np.where((near >= self._lower) & (near <= self._upper), near, posture)
 
     def _aside(self, q: Array) -> Array:
         """A posture beside q, the same each time."""

@@ -14,10 +14,10 @@ typedef struct {
 
 int64_t fikm_cycle_size(void) { return sizeof(Cycle) / sizeof(double); }
 
-/* The error, the gain and the joint step, which is that of `way` (n) where a restart search drives. 0: left
- * to Python. */
+/* The error, the gain and the joint step, which is that to `posture` (n) where a restart search drives. 0:
+ * left to Python. */
 static int ask(const double *o, const Limits *l, const double *command, const double *velocity,
-               const double *memory, const double *target, const double *q, const double *way, int near,
+               const double *memory, const double *target, const double *q, const double *posture, int near,
                Cycle *c) {
     const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
     const double *k = l->chain + 24 + JOINT * n, *s = k + K_COUNT, *supervision = memory + 1 + m;
@@ -34,11 +34,11 @@ static int ask(const double *o, const Limits *l, const double *command, const do
         c->filtered_error[i] = keep * memory[1 + i] + (1.0 - keep) * (scale * c->error[i]);
     double extra = k[K_DAMPED] != 0.0 ? damping_of(supervision, s) : 0.0;
     steady_bounds(o, l, command, c->low, c->high);
-    const int as_it_is = near || way;
+    const int as_it_is = near || posture;
     int answer = safe_step(o, l, q, c->J, c->filtered_error, extra, c->low, c->high, as_it_is, c->asked);
     if (answer == LEFT) return 0;
     c->limited = answer == LIMITED;
-    if (way) memcpy(c->asked, way, sizeof(double) * (size_t)n);
+    if (posture) drive(s + S_COUNT, o, l, posture, q, c->asked);
     changing_bounds(o, l, velocity, c->low, c->high);
     return 1;
 }
@@ -52,14 +52,19 @@ static int let_through(const double *o, const Limits *l, const double *command, 
     return 1;
 }
 
-/* Write a cycle into the state. 2: the restart search is left to Python. */
+enum { UNDONE, DONE, SEARCH_LEFT, POSTURE_PASSED };
+
+/* Write a cycle into the state. */
 static int remember(const double *o, const Limits *l, double *command, double *velocity, double *memory,
-                    const double *target, const double *q, const Cycle *c) {
+                    const double *target, const double *q, const double *posture, const Cycle *c) {
     const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
     const double *t = o + C_TASK, *k = l->chain + 24 + JOINT * n, *s = k + K_COUNT, *r = s + S_COUNT;
     double *supervision = memory + 1 + m, *search = memory + (int)r[R_PLACE];
     double seen[3 + 2 * MAX_JOINTS], coordinates[MAX_TARGET], deviation[MAX_JOINTS];
-    int done = r[R_PLACE] == 0.0 || watch(r, l->chain, n, t, search, target, q, c->size) ? 1 : 2;
+    int done = DONE;
+    if (r[R_PLACE] != 0.0 && posture) {
+        if (arrive(r, l->chain, n, t, search, target, posture, q)) done = POSTURE_PASSED;
+    } else if (r[R_PLACE] != 0.0 && !watch(r, l->chain, n, t, search, target, q, c->size)) done = SEARCH_LEFT;
     for (int j = 0; j < n; j++) deviation[j] = q[j] - command[j];
     if (fikm_remember_turns(supervision, s, c->error, c->step, seen)) {
         coordinates_of(t, (int)s[S_COORDINATES], target, coordinates);
@@ -74,24 +79,24 @@ static int remember(const double *o, const Limits *l, double *command, double *v
 }
 
 /* One cycle: command (n), velocity (n) and memory (filtered gain, filtered error (m), supervision, restart
- * search) after it, or with `peek` only what it computes. q: joints (n), the command or measured; way: the
- * step (n) of a restart search, or NULL. 0: left to Python; 2: of it the restart search. */
+ * search) after it, or with `peek` only what it computes. q: joints (n), the command or measured;
+ * posture: to which a restart search drives (n), or NULL. */
 int fikm_cycle(const double *o, double *command, double *velocity, double *memory, const double *target,
-               const double *q, const double *way, int peek, Cycle *c) {
+               const double *q, const double *posture, int peek, Cycle *c) {
     const Limits l = limits_of(o, (int)o[C_JOINTS]);
-    if (!ask(o, &l, command, velocity, memory, target, q, way, 0, c)) return 0;
+    if (!ask(o, &l, command, velocity, memory, target, q, posture, 0, c)) return 0;
     if (!let_through(o, &l, command, c)) return 0;
-    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, c);
+    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, posture, c);
 }
 
 /* The same among obstacles, in two calls. First what is asked for, cleared of the raw pairs in `clear`: an
  * answer of `fikm_clear`, where ends of steps may have to be looked at. Then the cycle with what is left. */
 int fikm_ask_clear(const double *o, const double *command, const double *velocity, const double *memory,
-                   const double *target, const double *q, const double *way, Clear *clear, Cycle *c) {
+                   const double *target, const double *q, const double *posture, Clear *clear, Cycle *c) {
     const size_t n = (size_t)o[C_JOINTS], m = (size_t)o[C_ROWS];
     const Limits l = limits_of(o, (int)n);
     if (fikm_clear(clear, TAKE) != CLEARED) return TO_NUMPY;
-    if (!ask(o, &l, command, velocity, memory, target, q, way, clear->near > 0, c)) return TO_NUMPY;
+    if (!ask(o, &l, command, velocity, memory, target, q, posture, clear->near > 0, c)) return TO_NUMPY;
     memcpy(clear->step, c->asked, sizeof(double) * n);
     memcpy(clear->low, c->low, sizeof(double) * n);
     memcpy(clear->high, c->high, sizeof(double) * n);
@@ -101,9 +106,10 @@ int fikm_ask_clear(const double *o, const double *command, const double *velocit
 }
 
 int fikm_cycle_clear(const double *o, double *command, double *velocity, double *memory,
-                     const double *target, const double *q, const Clear *clear, int peek, Cycle *c) {
+                     const double *target, const double *q, const double *posture, const Clear *clear,
+                     int peek, Cycle *c) {
     const Limits l = limits_of(o, (int)o[C_JOINTS]);
     memcpy(c->asked, clear->taken, sizeof(double) * (size_t)o[C_JOINTS]);
     if (!let_through(o, &l, command, c)) return 0;
-    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, c);
+    return peek ? 1 : remember(o, &l, command, velocity, memory, target, q, posture, c);
 }

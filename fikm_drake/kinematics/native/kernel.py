@@ -92,7 +92,7 @@ class Kernel:
         self.cycle_size.argtypes, self.cycle_size.restype = [], _LONG
         self.cycle.argtypes, self.cycle.restype = [*[_POINTER] * 7, _INT, _POINTER], _INT
         self.ask_clear.argtypes, self.ask_clear.restype = [_POINTER] * 9, _INT
-        self.cycle_clear.argtypes = [*[_POINTER] * 7, _INT, _POINTER]
+        self.cycle_clear.argtypes = [*[_POINTER] * 8, _INT, _POINTER]
         self.cycle_clear.restype = _INT
         self.newton.restype = self.arrive.restype = self.stride.restype = _INT
 

@@ -2,7 +2,8 @@
  * posture. Its memory is the vector told there: state, quiet cycles or steps of the search, last error or
  * start, an error, a posture (n).
  */
-enum { R_PLACE, R_TOLERANCE, R_AT_REST, R_APPROACH, R_PATIENCE, R_COUNT };
+enum { R_PLACE, R_TOLERANCE, R_AT_REST, R_APPROACH, R_PATIENCE, R_PACE, R_LANDING, R_NEAR, R_PASSED, R_LOST,
+       R_COUNT };
 enum { LAW_LEADS, SEARCHING, UNDERWAY, STUCK };
 
 static double error_size(const double *error, int m) {
@@ -10,13 +11,40 @@ static double error_size(const double *error, int m) {
     return square < LARGEST * LARGEST ? sqrt(square) : INFINITY;
 }
 
-/* `RestartSearch.remember` of a cycle whose error (m) at q (n) is so long. 0: Python does it, nothing has
- * been written: the search begins, runs or drives. */
+static double farthest_of(const double *a, const double *b, int n) {
+    double most = 0.0;
+    for (int j = 0; j < n; j++) most = fmax(most, fabs(a[j] - b[j]));
+    return most;
+}
+
+/* The step (n) of a search that drives to a posture: `RestartSearch.step`. */
+static void drive(const double *r, const double *o, const Limits *l, const double *posture, const double *q,
+                  double *step) {
+    const int n = (int)o[C_JOINTS];
+    double part = fmin(r[R_LANDING], r[R_PACE] / fmax(farthest_of(posture, q, n), 1e-300));
+    for (int j = 0; j < n; j++) step[j] = (posture[j] - q[j]) * part;
+    brakeable(o, l, step, n);
+    shorten_by(step, l->fastest, n);
+}
+
+/* `RestartSearch._arrive`; whether the posture to which it drives now is passed. */
+static int arrive(const double *r, const double *chain, int n, const double *t, double *memory,
+                  const double *target, const double *posture, const double *q) {
+    double error[6];
+    fikm_task(chain, n, t, target, memory + 4, error, NULL);
+    int lost = error_size(error, (int)t[T_ROWS]) > r[R_LOST] * r[R_TOLERANCE];
+    memory[1] += 1.0;
+    if (memory[1] >= 0.0 || lost || farthest_of(memory + 4, q, n) <= r[R_NEAR])
+        memset(memory, 0, sizeof(double) * 4);
+    return farthest_of(posture, q, n) <= r[R_PASSED];
+}
+
+/* `RestartSearch.remember` of a cycle whose error (m) at q (n) is so long, but for one that drives. 0: Python
+ * does it, nothing has been written: the search begins or runs. */
 static int watch(const double *o, const double *chain, int n, const double *t, double *memory,
                  const double *target, const double *q, double size) {
     double error[6], *own = memory + 4, quiet = memory[1], least = memory[3], way = 0.0;
     const int state = (int)memory[0];
-    if (state == UNDERWAY) return 0;
     if (size <= o[R_TOLERANCE]) { memset(memory, 0, sizeof(double) * 4); return 1; }
     if (state == SEARCHING) return 0;
     if (state == STUCK) {
@@ -25,7 +53,8 @@ static int watch(const double *o, const double *chain, int n, const double *t, d
         return 1;
     }
     fikm_task(chain, n, t, target, own, error, NULL);
-    if (fabs(error_size(error, (int)t[T_ROWS]) - memory[2]) > 0.1 * o[R_TOLERANCE] || size < (1.0 - o[R_APPROACH]) * least)
+    double moved = fabs(error_size(error, (int)t[T_ROWS]) - memory[2]);
+    if (moved > 0.1 * o[R_TOLERANCE] || size < (1.0 - o[R_APPROACH]) * least)
         quiet = 0.0, least = size;
     else {
         for (int j = 0; j < n; j++) way += (q[j] - own[j]) * (q[j] - own[j]);
