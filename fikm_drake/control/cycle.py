@@ -32,10 +32,10 @@ from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
 from fikm_drake.control.joint_limits import JointLimits, StepBox
+from fikm_drake.control.make_safe_step import make_safe_step
 from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import make_restart_search
 from fikm_drake.control.restart_state import RestartState
-from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.control.status import (
     ControllerStatus,
     controller_status,
@@ -151,6 +151,8 @@ class ControlCycle:
             posture_gain=config.posture_rate * config.period,
             nominal_position=config.nominal_position,
             singularity_nudge=config.singularity_nudge,
+            limit_retreat=config.limit_retreat,
+            num_rows=task.size,
         )
         self.limits, self.guard = make_limits(config, arm), Guard(config.max_joint_step)
         self.clearance = None

@@ -57,6 +57,10 @@ class FuzzyIkConfig:
             paper.
         limit_margin: distance from a joint limit within which a joint that moves toward it counts
             less [rad or m]; 0: the command is only cut off at the limit.
+        limit_retreat: how strongly joints near their limits draw back to the middle of them while the tool is
+            far from its target [-]; see `control.limit_retreat`. More leaves fewer targets unreached in
+            corners of the limits, too much stops before targets near them. 0: they do not; see
+            `for_reaching`.
         posture_rate: fraction of the way to its nominal posture that a redundant arm goes in a
             second, as far as the task leaves it free [1/s]; 0: it does not.
         nominal_position: the nominal posture (n) [rad or m]; empty: the middle of the joint limits,
@@ -96,6 +100,7 @@ class FuzzyIkConfig:
     max_joint_step: float = 0.5
     singularity_nudge: float = 0.01
     limit_margin: float = 0.1
+    limit_retreat: float = 0.0
     posture_rate: float = 0.0
     nominal_position: list[float] = field(default_factory=list)
     velocity_limits: list[float] = field(default_factory=list)
@@ -127,6 +132,7 @@ class FuzzyIkConfig:
             default_velocity_limit=inf,
             jerk_limits=[],
             limit_margin=0.0,
+            limit_retreat=0.0,
             singularity_nudge=0.0,
             supervisor=dataclasses.replace(self.supervisor, calming=1.0),
         )
@@ -171,6 +177,23 @@ class FuzzyIkConfig:
             error_smoothing=0.0,
             supervisor=dataclasses.replace(self.supervisor, gains=[1.0] * 3),
         )
+
+    def for_reaching(self) -> "FuzzyIkConfig":
+        """This config for targets that may be anywhere: of those in reach it comes to rest before the fewest.
+
+        As `for_tracking`, with rows that count alike, so that every step brings the tool nearer in one and
+        the same measure, and with joints that draw back from their limits on the way. It stays local: it
+        looks at no other posture, as `restart_search` does, and sets out at once. How many targets of 36
+        public arms that gains, `fikm-drake benchmark arms` shows.
+
+        Example:
+            >>> import fikm_drake as fd
+            >>> fd.FuzzyIkConfig(task="pose").for_reaching().limit_retreat
+            0.06
+        """
+        tracking = self.for_tracking()
+        law = FuzzyMapping(iterations=6, damping=0.1, error_damping=3.0, row_floor=1.0)
+        return dataclasses.replace(tracking, law=law, limit_retreat=0.06)
 
     @property
     def period(self) -> float:
@@ -239,7 +262,7 @@ class FuzzyIkConfig:
             check_positive(name, getattr(self, name))
         for name in ("restart_speed", "following_time"):
             check_positive(name, getattr(self, name))
-        for name in ("singularity_nudge", "limit_margin"):
+        for name in ("singularity_nudge", "limit_margin", "limit_retreat"):
             check_not_negative(name, getattr(self, name))
         check_number(
             "posture_rate",

@@ -7,6 +7,7 @@ import numpy as np
 from fikm_drake.arrays import Array
 from fikm_drake.control import saturation
 from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.retreating_step import RetreatingStep
 from fikm_drake.control.safe_step import PASSES, UNMOVED, SafeStep
 from fikm_drake.kinematics.native.kernel import Kernel, address, kernel
 from fikm_drake.kinematics.task_kinematics import PlantTask, TaskKinematics
@@ -73,7 +74,8 @@ def step_options(
     """What `native/safe_step.h` is told of a step; None where it does not know law, task or limits.
 
     It knows tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without posture.
+    iteration or with as many as there are rows, without posture. Where joints draw back from their limits,
+    far from the target or at a limit, it leaves the step to Python.
     """
     if not isinstance(task, PlantTask) or task.native is None:
         return None
@@ -86,8 +88,12 @@ def step_options(
     step += [UNMOVED, near is not None, PASSES, limits.brakes, limits.period, saturation.PASSES]
     step += [saturation.GAIN, saturation.BRAKING_GAIN, saturation.HALF, saturation.BETTER]
     step += [saturation.TINY, law.row_floor, law.column_floor, law.zero_threshold, law.damping]
-    step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0, *turns]
+    retreat = safe_step.retreat if isinstance(safe_step, RetreatingStep) else None
+    step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0]
+    step += [retreat is not None, retreat.near if retreat else 0.0, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
+    if retreat:
+        zones = retreat.numbers
     each = limits.lower, limits.upper, limits.fastest, limits.change
     arrays = (*each, *zones, task.native.packed)
     return np.concatenate([np.array(step, dtype=float), *arrays])

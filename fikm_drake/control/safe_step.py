@@ -1,19 +1,16 @@
 """A law's joint step, made safe."""
 
-from collections.abc import Sequence
 from functools import cache
 from math import inf
 
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.checks import check_not_negative, check_number, check_position, check_positive
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.control.saturation import BRAKING_GAIN, GAIN, brake, resolve
 from fikm_drake.control.steps import length
-from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.laws.law import Law
 
 DEAD = 1e-3
@@ -174,37 +171,3 @@ def aside(size: int) -> Array:
     way = np.where(np.arange(size) % 2, -1.0, 1.0)
     way.flags.writeable = False
     return way
-
-
-def make_safe_step(
-    arm: PlantArm,
-    law: Law,
-    *,
-    max_joint_step: float = inf,
-    limit_margin: float = 0.0,
-    posture_gain: float = 0.0,
-    nominal_position: Sequence[float] = (),
-    singularity_nudge: float = 0.0,
-) -> SafeStep:
-    """The law's step with an arm's joint limits; the arguments are those of `DifferentialIk`.
-
-    Raises:
-        ValueError: naming the bad value.
-    """
-    lower, upper = arm.lower, arm.upper
-    check_not_negative("limit_margin", limit_margin)
-    check_number("posture_gain", posture_gain, "in [0, 1] a cycle", lambda x: 0.0 <= x <= 1.0)
-    posture = arm.default_position
-    both = np.isfinite(lower) & np.isfinite(upper)
-    posture[both] = 0.5 * (lower[both] + upper[both])
-    if np.size(nominal_position):
-        posture = check_position(nominal_position, lower, upper, name="nominal_position")
-    bounded = np.isfinite(lower).any() or np.isfinite(upper).any()
-    return SafeStep(
-        law,
-        longest=check_positive("max_joint_step", max_joint_step),
-        limits=LimitWeights(lower, upper, limit_margin) if limit_margin and bounded else None,
-        posture=posture if posture_gain else None,
-        posture_gain=posture_gain,
-        singularity_nudge=check_not_negative("singularity_nudge", singularity_nudge),
-    )

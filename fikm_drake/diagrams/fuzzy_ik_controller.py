@@ -145,6 +145,7 @@ class FuzzyIkController(Diagram):
                 damped=takes_damping(law),
                 max_joint_step=config.max_joint_step,
                 limit_margin=config.limit_margin,
+                limit_retreat=config.limit_retreat,
                 posture_gain=config.posture_rate * period,
                 nominal_position=config.nominal_position,
                 singularity_nudge=config.singularity_nudge,

@@ -9,8 +9,8 @@ from pydrake.systems.framework import BasicVector, Context, LeafSystem
 
 from fikm_drake.arrays import Array, all_finite
 from fikm_drake.control.joint_limits import JointLimits, StepBox
+from fikm_drake.control.make_safe_step import make_safe_step
 from fikm_drake.control.native_safe_step import native_safe_step
-from fikm_drake.control.safe_step import make_safe_step
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
 from fikm_drake.kinematics.tasks import as_task
 from fikm_drake.laws import LawLike, checked_law
@@ -66,6 +66,8 @@ class DifferentialIk(LeafSystem):
         nominal_position: that posture (n) [rad or m]; empty: the middle of the joint limits.
         singularity_nudge: joint motion aside at a dead point, over the length of `task_error` [rad/m], see
             `control.safe_step`; 0: the arm stays there.
+        limit_retreat: how strongly joints near their limits draw back from them while the error is long
+            [-], see `control.limit_retreat`; only with `limits`. 0: not.
         limits: of the joints; what one at its bound may not do the others do, see
             `control.saturation`. None: they are not seen.
         yields: whether there is the port `obstacles_near`.
@@ -94,6 +96,7 @@ class DifferentialIk(LeafSystem):
         posture_gain: float = 0.0,
         nominal_position: Sequence[float] = (),
         singularity_nudge: float = 0.0,
+        limit_retreat: float = 0.0,
         limits: JointLimits | None = None,
         yields: bool = False,
     ) -> None:
@@ -111,6 +114,8 @@ class DifferentialIk(LeafSystem):
             posture_gain=posture_gain,
             nominal_position=nominal_position,
             singularity_nudge=singularity_nudge,
+            limit_retreat=limit_retreat,
+            num_rows=m,
         )
         self._native = None
         if limits:

@@ -24,6 +24,7 @@ from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
 from fikm_drake.experiments.fuzz.native_fuzz import native_case
 from fikm_drake.kinematics.native import kernel as loading
 from fikm_drake.kinematics.native.kernel import numpy_only
+from fikm_drake.kinematics.tasks import make_task
 
 POSE_LAW = fd.FuzzyMapping(iterations=6, damping=0.1, row_floor=0.05)
 
@@ -258,6 +259,31 @@ def test_a_search_in_a_free_world_equals_pythons(measured):
     assert all(found[s] > 5 for s in (RestartState.NONE, RestartState.UNDERWAY)), found
     assert found[RestartState.SEARCHING]
     assert np.linalg.norm(plain.task.error(target, state.command)) < 1e-3
+
+
+@pytest.mark.parametrize("acceleration", [[], [20.0]])
+@pytest.mark.parametrize("task", ["position", "pose"])
+def test_joints_that_draw_back_equal_pythons(task, acceleration, counted):
+    """Near the target by the kernel, where it is far or a limit is in the way by Python."""
+    config = fd.FuzzyIkConfig(task=task, acceleration_limits=acceleration).for_reaching()
+    arm = fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("iiwa14")))
+    cycle = fd.ControlCycle(make_task(arm, task), config)
+    native = native_cycle(cycle)
+    rng = np.random.default_rng(0)
+    for _ in range(6):
+        q = 0.7 * rng.uniform(arm.lower, arm.upper)
+        goal = RigidTransform(arm.chain.forward_kinematics(0.7 * rng.uniform(arm.lower, arm.upper)))
+        goal = goal if task == "pose" else goal.translation()
+        state = cycle.start(q)
+        for k in range(150):
+            own = [state.command.copy(), state.velocity.copy(), packed(state)]
+            done = native.advance(*own, goal, state.command)
+            with numpy_only():
+                cycle.advance(state, goal, state.command, cycle.tick(state, goal, state.command))
+            other = state.command, state.velocity, packed(state)
+            for mine, his in zip(own, other) if done else ():
+                np.testing.assert_allclose(mine, his, rtol=1e-9, atol=1e-12, err_msg=f"cycle {k}")
+    assert counted["done"] > 100 and counted["left"] > 100
 
 
 @pytest.mark.parametrize("arm", ["arm7", "ur5"])

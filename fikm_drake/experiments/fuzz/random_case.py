@@ -9,6 +9,7 @@ from pydrake.math import RigidTransform
 import fikm_drake as fd
 from fikm_drake.arrays import Array
 from fikm_drake.experiments.fuzz.random_arm import RandomArm, random_arm
+from fikm_drake.laws.quadratic import quadratic_of
 
 Target: TypeAlias = "Array | RigidTransform"
 """What a task's port takes."""
@@ -111,6 +112,8 @@ def random_config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
     if rng.random() < 0.2:
         count = int(rng.choice([1, n]))
         config.jerk_limits = (10.0 ** rng.uniform(1.0, 5.0, count)).tolist()
+    if quadratic_of(config.law, 6) and rng.random() < 0.3:
+        config.limit_retreat = float(rng.choice([0.06, 10.0]))
     if rng.random() < 0.3:
         config = config.resolved_rate()
     elif rng.random() < 0.2:

@@ -2,7 +2,7 @@
  * and guard.py, which tell the mathematics. A law that Python does better there gives 0: left to Python. */
 enum { C_ROWS, C_JOINTS, C_LONGEST, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_BRAKES, C_PERIOD,
        C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_HALF, C_BETTER, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO,
-       C_DAMPING, C_ERROR_DAMPING, C_GROWTH, C_TASK, C_LOWER = C_TASK + T_COUNT };
+       C_DAMPING, C_ERROR_DAMPING, C_GROWTH, C_RETREATS, C_NEAR, C_TASK, C_LOWER = C_TASK + T_COUNT };
 
 /* The joints' limits and what is worked out of them, (n) each, then the chain. */
 typedef struct {
@@ -206,6 +206,22 @@ static int resolve(const Law *law, const Limits *l, const double *error, const d
 
 enum { LEFT, INSIDE, LIMITED };
 
+/* `RetreatingStep.inside` while the tool is near: the law's own step where nothing is in its way. */
+static int retreating_step(const double *o, const Limits *l, const double *q, double goal, const double *low,
+                           const double *high, int near, double *step) {
+    const int n = (int)o[C_JOINTS];
+    int in = 1;
+    if (goal > o[C_NEAR]) return LEFT;
+    for (int j = 0; j < n; j++) {
+        double fastest = fmin(l->fastest[j], 1.0 / l->zone[j]);
+        double down = clamped((q[j] - l->end_low[j]) / l->zone[j], 0.0, 1.0);
+        double up = clamped((l->end_high[j] - q[j]) / l->zone[j], 0.0, 1.0);
+        in &= fmax(low[j], -fastest * down) <= step[j] && step[j] <= fmin(high[j], fastest * up);
+    }
+    if (!in && !near) return LEFT;
+    return brakeable(o, l, step, n) || !in ? LIMITED : INSIDE;
+}
+
 /* `SafeStep.inside`: the law's step, near limits with weights, at a dead point aside, inside the steady
  * bounds, which a step keeps its direction of where obstacles are near. */
 static int safe_step(const double *o, const Limits *l, const double *q, const double *J, const double *d,
@@ -239,6 +255,7 @@ static int safe_step(const double *o, const Limits *l, const double *q, const do
         if (reach[j] > o[C_UNMOVED] * most) step[j] += o[C_SIDE_STEP] * goal * (j % 2 ? -1.0 : 1.0);
     changed |= sqrt(square_of(step, n)) > o[C_LONGEST];
     shorten_to(step, n, o[C_LONGEST]);
+    if (o[C_RETREATS] != 0.0) return retreating_step(o, l, q, goal, low, high, near, step);
     if (near) {
         int slowed = brakeable(o, l, step, n);
         return slowed || !inside(step, low, high, n) ? LIMITED : INSIDE;
