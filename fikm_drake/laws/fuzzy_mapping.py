@@ -56,8 +56,9 @@ class FuzzyMapping:
     `error_damping` κ adds to the damping where the error is long (Levenberg-Marquardt):
     λ² = damping² + min(κ |R⁻¹ dr|, 1)², where dr_i / r_i is the turn that takes away the error of row i
     alone, so that neither unit nor arm's size is in it. Near the target it is nothing; before a target out
-    of reach the direction in which the arm can't follow is damped, and the arm does not flail. `iterated()`
-    is the law for poses and for tracking that the project recommends.
+    of reach the direction in which the arm can't follow is damped, and the arm does not flail. With it a
+    small `damping` is enough, and before a target near a singular posture the arm does not creep.
+    `iterated()` is the law for poses and for tracking that the project recommends.
 
     Attributes:
         method: `indirect` or `direct`.
@@ -137,7 +138,7 @@ class FuzzyMapping:
             >>> fd.FuzzyMapping.iterated().iterations
             6
         """
-        return cls(iterations=6, damping=0.1, error_damping=3.0, row_floor=0.05)
+        return cls(iterations=6, damping=0.02, error_damping=3.0, row_floor=0.05)
 
     @property
     def rule_bases(self) -> dict[float, RuleBase]:

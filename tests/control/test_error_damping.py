@@ -69,3 +69,28 @@ def test_inside_the_reach_it_follows_as_closely(name, seed):
     _, stays = motion(name, "pose", STAYS, targets, start)
     assert grows.mean() <= 1.05 * stays.mean() + 1e-6
     assert grows.max() <= 1.1 * stays.max() + 1e-6
+
+
+STRETCHED = {
+    "iiwa14": [0.3, 0.7, 0.2, -0.01, 0.4, 0.8, 0.3],
+    "ur5": [0.4, -1.2, 0.01, -1.5, 0.8, 0.6],
+    "gen3": [0.3, 0.7, 0.2, -0.01, 0.4, 0.8, 0.3],
+    "xarm7": [0.3, 0.7, 0.2, 0.01, 0.4, 0.8, 0.3],
+}
+"""Postures with an elbow that is nearly stretched [rad]."""
+
+
+@pytest.mark.parametrize("name", STRETCHED)
+@pytest.mark.parametrize("seed", range(3))
+def test_before_a_target_that_is_nearly_out_of_reach_the_arm_comes_to_rest(name, seed):
+    """No damping is left there with which it would creep along the direction in which it hardly moves."""
+    arm, rng = fd.load_arm(name), np.random.default_rng(seed)
+    goal = np.array(STRETCHED[name])
+    start = np.clip(goal + rng.normal(0.0, 0.3, len(goal)), arm.lower, arm.upper)
+    pose = RigidTransform(arm.forward_kinematics(goal))
+    config = fd.FuzzyIkConfig(task="pose", law=GROWS, control_rate=100.0)
+    plant_arm = fd.PlantArm(fd.MakeDhArmPlant(arm), "tool")
+    cycle = fd.ControlCycle(make_task(plant_arm, "pose"), config)
+    run = rollout(cycle, [pose] * 1200, start)
+    assert np.abs(np.diff(run.q[-20:], axis=0)).max() < 1e-7
+    assert np.linalg.norm(run.error[-1]) < 1e-7

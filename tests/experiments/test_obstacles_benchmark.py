@@ -8,6 +8,12 @@ from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.experiments.benchmarks.obstacle_pink import has_pink, run_pink
 from fikm_drake.experiments.benchmarks.obstacle_runs import run_ours
 from fikm_drake.experiments.benchmarks.obstacle_scenes import obstacle_scenes
+from fikm_drake.experiments.benchmarks.obstacle_settings import (
+    DRAKE_GRID,
+    DrakeSettings,
+    PinkSettings,
+    sweep,
+)
 from fikm_drake.experiments.benchmarks.obstacles_benchmark import (
     DRAKE,
     OURS,
@@ -65,11 +71,26 @@ def test_bad_counts():
         obstacles_benchmark(scenes=0)
 
 
+def test_a_sweep_takes_the_best_of_each_field_with_the_others_at_their_best():
+    asked = []
+
+    def reached(settings):
+        asked.append(settings)
+        return int(10 - 9 * abs(settings.gain - 0.3) - abs(np.log10(settings.speed / 3.0)))
+
+    found = sweep(DrakeSettings(), DRAKE_GRID, reached)
+    assert found.best == DrakeSettings(gain=0.3, speed=3.0) and found.reached == 10
+    assert len(asked) == len(set(asked)) == 1 + sum(len(v) - 1 for v in DRAKE_GRID.values())
+    assert len(found.lines) == 4 and found.lines[0].startswith("gain 0.02: 7, 0.05: 7")
+
+
 @pytest.mark.skipif(not has_pink(), reason="Pink is not installed")
 def test_pinks_barrier_keeps_the_distances_of_the_same_shapes():
     scene = obstacle_scenes("iiwa14", "second arm", "position", 1, seed=0)[0]
     checker, near = scene.checker(), ClearanceConfig()
-    q, times = run_pink(scene, checker, rate=100.0, seconds=1.0, clearance=near)
+    q, times = run_pink(
+        scene, checker, rate=100.0, seconds=1.0, clearance=near, settings=PinkSettings()
+    )
     guard = Clearance(checker, period=0.01)
     assert min(guard.distance(x) for x in q) >= near.safe_distance - 1e-3
     assert np.abs(q[-1] - scene.start).max() > 0.05 and (times > 0.0).all()

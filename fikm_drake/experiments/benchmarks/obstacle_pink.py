@@ -14,12 +14,11 @@ from pydrake.planning import CollisionChecker
 from fikm_drake.arrays import Array
 from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.experiments.benchmarks.obstacle_scenes import ObstacleScene
+from fikm_drake.experiments.benchmarks.obstacle_settings import PinkSettings
 from fikm_drake.kinematics.load_arm import load_arm
 
-GAIN, PAIRS = 20.0, 12
-"""Of the barrier, as in Pink's examples [1/s]; pairs that it looks at, the nearest [-]; not swept."""
-TASK_GAIN, POSTURE = 0.2, 1e-3
-"""Fraction of the error that a cycle asks for [-]; cost of the posture beside the tool's 1 [-]."""
+PAIRS = 12
+"""Of the barrier: pairs that it looks at, the nearest [-]."""
 
 
 def has_pink() -> bool:
@@ -34,6 +33,7 @@ def run_pink(
     rate: float,
     seconds: float,
     clearance: ClearanceConfig,
+    settings: PinkSettings,
 ) -> tuple[Array, Array]:
     """Commands (N,n) of Pink's `solve_ik` and the CPU time of each cycle (N,) [s].
 
@@ -58,14 +58,18 @@ def run_pink(
     )
     turns = 0.0 if scene.task == "position" else 1.0
     tool = pink.tasks.FrameTask(
-        "tool", position_cost=1.0, orientation_cost=turns, gain=TASK_GAIN, lm_damping=1e-3
+        "tool",
+        position_cost=1.0,
+        orientation_cost=turns,
+        gain=settings.gain,
+        lm_damping=settings.damping,
     )
     tool.set_target(pin.SE3(scene.target[:3, :3], scene.target[:3, 3]))
-    posture = pink.tasks.PostureTask(cost=POSTURE)
+    posture = pink.tasks.PostureTask(cost=settings.posture)
     posture.set_target(scene.start)
     barrier = barriers.SelfCollisionBarrier(
         n_collision_pairs=min(PAIRS, len(shapes.collisionPairs)),
-        gain=GAIN,
+        gain=settings.barrier,
         d_min=clearance.safe_distance,
     )
     positions, times = [], []

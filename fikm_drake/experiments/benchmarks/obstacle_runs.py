@@ -1,7 +1,6 @@
 """A scene run by ours and by Drake's differential IK, with one checker and the same distances."""
 
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,24 +18,11 @@ from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
 from fikm_drake.diagrams.add_fuzzy_ik_controller import MakeFuzzyIkController
 from fikm_drake.experiments.benchmarks.obstacle_scenes import ObstacleScene
+from fikm_drake.experiments.benchmarks.obstacle_settings import DrakeSettings
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose
 from fikm_drake.kinematics.add_dh_arm import MakeDhArmPlant
 from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
-
-
-@dataclass(frozen=True)
-class DrakeSettings:
-    """What Drake's users choose; the best gains of a sweep (48 scenes of seed 10)."""
-
-    weight: float = 100.0
-    """Weight of the least-squares cost."""
-    gain: float = 0.05
-    """K_VX: the fraction of the error that a cycle asks for [-]; swept from 0.05 to 1."""
-    posture_gain: float = 0.0
-    """Posture gain of the joint-centering cost toward the start [-]; 0: there is none; swept to 0.1."""
-    speed: float = 1.0
-    """Largest speed that is asked of the tool [rad/s, m/s]."""
 
 
 def run_ours(

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from pydrake.planning import CollisionChecker
@@ -13,7 +14,7 @@ from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.clearance_config import ClearanceConfig
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.obstacle_pink import has_pink, run_pink
-from fikm_drake.experiments.benchmarks.obstacle_runs import DrakeSettings, run_drake, run_ours
+from fikm_drake.experiments.benchmarks.obstacle_runs import run_drake, run_ours
 from fikm_drake.experiments.benchmarks.obstacle_scenes import (
     HOME,
     KINDS,
@@ -21,16 +22,27 @@ from fikm_drake.experiments.benchmarks.obstacle_scenes import (
     ObstacleScene,
     obstacle_scenes,
 )
+from fikm_drake.experiments.benchmarks.obstacle_settings import (
+    DRAKE_GRID,
+    PINK_GRID,
+    DrakeSettings,
+    PinkSettings,
+    Settings,
+    Sweep,
+    sweep,
+)
 from fikm_drake.experiments.benchmarks.pose_checks import as_pose, is_near
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
 from fikm_drake.kinematics.load_arm import load_arm
 
 RATE, SECONDS = 100.0, 12.0
 """Rate, seconds of every run [Hz, s]."""
+SWEPT = len(HOME) * len(KINDS) * len(TASKS)
+"""Scenes of a sweep: one of each class [-]."""
 RATES = (50.0, 200.0, 1000.0)
 """At which one scene of each class is run once more, for its clearance [Hz]."""
-SEEDS = (0, 1)
-"""Of the scenes."""
+SEEDS, SWEEP_SEED = (0, 1), 10
+"""Of the scenes, and of those in which the peers' settings are swept."""
 TAIL = 20
 """Cycles at the end in which motion is measured (-)."""
 OURS, SEARCH, DRAKE, PINK = "fuzzy IK", "fuzzy IK, restart search", "Drake", "Pink"
@@ -64,8 +76,8 @@ def obstacles_benchmark(
     tasks: Sequence[str] = TASKS,
     seconds: float = SECONDS,
     seed: int = 0,
-    settings: DrakeSettings | None = None,
-    pink: bool = False,
+    drake: DrakeSettings | None = None,
+    pink: PinkSettings | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> list[ObstacleRow]:
     """Run every method in every scene, with one checker, one safe distance, the same limits of speed.
@@ -77,8 +89,8 @@ def obstacles_benchmark(
         tasks: of `TASKS`.
         seconds: of a run [s].
         seed: of the scenes.
-        settings: Drake's; None: the defaults of `DrakeSettings`.
-        pink: run Pink too, which must be installed.
+        drake: Drake's settings; None: the defaults.
+        pink: run Pink too, which must be installed, with these settings; None: not.
         progress: called after each class with the fraction done.
 
     Raises:
@@ -94,11 +106,11 @@ def obstacles_benchmark(
             rate=RATE,
             seconds=seconds,
             clearance=near,
-            settings=settings or DrakeSettings(),
+            settings=drake or DrakeSettings(),
         ),
     }
     if pink:
-        methods[PINK] = partial(run_pink, rate=RATE, seconds=seconds, clearance=near)
+        methods[PINK] = partial(run_pink, rate=RATE, seconds=seconds, clearance=near, settings=pink)
     rows = []
     classes = [(arm, kind, task) for arm in arms for kind in kinds for task in tasks]
     with quiet_drake():
@@ -156,15 +168,47 @@ def _one_of_each(arms: Sequence[str], seed: int) -> Iterator[ObstacleScene]:
                 yield from obstacle_scenes(arm, kind, task, 1, seed)
 
 
+def sweep_peers(progress: Callable[[float], None]) -> dict[str, Sweep]:
+    """The best settings of Drake, and of Pink where it is installed, in a scene of every class."""
+    peers: list[tuple[str, Any, Any, Any]] = [(DRAKE, DrakeSettings(), DRAKE_GRID, run_drake)]
+    if has_pink():
+        peers.append((PINK, PinkSettings(), PINK_GRID, run_pink))
+    found = {}
+    with quiet_drake():
+        scenes = [(s, s.checker()) for s in _one_of_each(tuple(HOME), SWEEP_SEED)]
+        total = sum(len(values) for *_, grid, _ in peers for values in grid.values())
+        done = 0
+        for name, start, grid, run in peers:
+
+            def reached(settings: Settings, run: Any = run) -> int:
+                nonlocal done
+                options = {"rate": RATE, "seconds": SECONDS, "clearance": ClearanceConfig()}
+                runs = [
+                    run(scene, checker, settings=settings, **options) for scene, checker in scenes
+                ]
+                done += 1
+                progress(min(1.0, done / total))
+                return sum(_reached(scene, q[-1]) for (scene, _), (q, _) in zip(scenes, runs))
+
+            found[name] = sweep(start, grid, reached)
+    return found
+
+
 def table(scenes: int, progress: Callable[[float], None]) -> BenchmarkTable:
     """The benchmark's text and rows."""
     lines, rows = [], []
+    peers = sweep_peers(lambda done: progress(0.4 * done))
+    for name, swept in peers.items():
+        lines.append(f"{name}, swept in {SWEPT} scenes of seed {SWEEP_SEED}: reached")
+        lines += [f"  {line}" for line in swept.lines]
+        lines.append(f"  best, {swept.reached} of {SWEPT}: {swept.best}")
     for k, seed in enumerate(SEEDS):
         found = obstacles_benchmark(
             scenes=scenes,
             seed=seed,
-            pink=has_pink(),
-            progress=lambda done, k=k: progress((k + done) / len(SEEDS)),  # type: ignore[misc]
+            drake=peers[DRAKE].best,
+            pink=peers[PINK].best if PINK in peers else None,
+            progress=lambda done, k=k: progress(0.4 + 0.6 * (k + done) / len(SEEDS)),  # type: ignore[misc]
         )
         lines += [f"seed {seed}", *_lines(found)]
         rows += found
@@ -212,7 +256,7 @@ def _lines(rows: list[ObstacleRow]) -> Iterator[str]:
     near = ClearanceConfig()
     yield (
         f"{RATE:g} Hz, {SECONDS:g} s, one checker, {1e3 * near.safe_distance:g} mm kept from "
-        f"{1e3 * near.influence_distance:g} mm on; Drake: {DrakeSettings()}"
+        f"{1e3 * near.influence_distance:g} mm on"
     )
     yield "reached | smallest clearance [mm] | last motion of a joint [rad a cycle] | CPU a cycle [us]"
     for row in rows:
