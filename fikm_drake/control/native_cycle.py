@@ -4,15 +4,15 @@ import threading
 from typing import Any
 
 import numpy as np
+from pydrake.planning import RobotClearance
 
 from fikm_drake.arrays import Array, all_finite
 from fikm_drake.control.clear_step import LOOKS
 from fikm_drake.control.clearance import ClearanceInfo, info_of
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
-from fikm_drake.control.near_pairs import NearPairs
 from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel, address, kernel
-from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK, NativeClearStep
+from fikm_drake.kinematics.native.native_clearance import CLEARED, WANT_LOOK
 from fikm_drake.kinematics.task_kinematics import PlantTask
 
 MOST_ROWS = 6
@@ -65,7 +65,7 @@ class NativeCycle(threading.local):
         self._memory = np.zeros(self._used.stop)
         self._target = np.zeros((3, 4) if task.port == "desired_pose" else m)
         self._q, self._posture, self._end = np.zeros(n), np.zeros(n), np.zeros(n)
-        self._ahead: tuple[int, bytes | None, Array | None] = (-1, None, None)
+        self._known: tuple[Array, Array | None, int, bytes | None] | None = None
         self._numbers = task.target_numbers
         self._run, self._ask, self._go = loaded.cycle, loaded.ask_clear, loaded.cycle_clear
         self._computed = np.zeros(sum(PARTS.values()))
@@ -162,37 +162,48 @@ class NativeCycle(threading.local):
         if not all_finite(q) or (others is not None and not all_finite(others)):
             return 0, UNTOUCHED
         found, after, moved = None, others, None
-        if peek or not self._is_ahead(near, clear, memory[self._others], others):
+        if peek or not self._knows(q, others, memory[self._others]):
             found = near.ask(q, others)
             after, moved = near.moving(q, found, others, memory[self._others])
             if not clear.read(found, near.padded, moved):
                 return 0, UNTOUCHED
+            if peek and moved is None:  # `advance` will follow
+                self._know(q, others)
         answer = self._ask(*self._at_inputs, at_posture, clear.at, self._at_computed)
         if answer == WANT_LOOK:
-            answer = clear.look(lambda step: near.ask(self._seen_at(q + step), after), LOOKS)
-            if moved is None:
-                self._ahead = clear.taken, near.world, None if others is None else others.copy()
+
+            def look(step: Array) -> RobotClearance:
+                np.add(q, step, out=self._end)
+                return near.ask(self._end, after)
+
+            answer = clear.look(look, LOOKS)
+            if moved is None:  # the next cycle begins there
+                self._know(self._end, others)
         if answer != CLEARED:
             return 0, UNTOUCHED
         done = self._go(*self._at_inputs, at_posture, clear.at, peek, self._at_computed)
         return done, info_of(clear.answer(), found) if found is not None and peek else UNTOUCHED
 
-    def _seen_at(self, q: Array) -> Array:
-        self._end[:] = q
-        return q
+    def _know(self, q: Array, others: Array | None) -> None:
+        """The kernel has what the checker says of a posture (n,), until it gets something else."""
+        if self._among:
+            near, clear = self._among
+            seen = None if others is None else others.copy()
+            self._known = q.copy(), seen, clear.taken, near.world
 
-    def _is_ahead(
-        self, near: NearPairs, clear: NativeClearStep, before: Array, others: Array | None
-    ) -> bool:
-        """True if the last cycle looked at the very posture of this one: then the kernel has the answer."""
-        taken, world, seen = self._ahead
-        if taken != clear.taken or world is None or world != near.world:
+    def _knows(self, q: Array, others: Array | None, before: Array) -> bool:
+        """True if it has what the checker would say of this cycle's posture, and nothing moves."""
+        if self._among is None or self._known is None:
             return False
-        if not np.array_equal(self._end, self._q):
+        near, clear = self._among
+        posture, seen, taken, world = self._known
+        if taken != clear.taken or not np.array_equal(posture, q):
             return False
         if others is None or seen is None:
-            return others is seen
-        return np.array_equal(others, seen) and np.array_equal(others, before)
+            same = others is seen
+        else:
+            same = np.array_equal(others, seen) and np.array_equal(others, before)
+        return same and world is not None and world == near.world
 
 
 def packed(state: CycleState) -> Array:
