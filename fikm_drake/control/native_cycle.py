@@ -52,7 +52,6 @@ class NativeCycle(threading.local):
     ) -> None:
         self._cycle, self._loaded, self._options, self._task = cycle, loaded, options, task
         m, n = task.size, task.arm.num_joints
-        self._m, self._n = m, n
         state = cycle.start(task.arm.default_position)
         self._restart = cycle.restart
         self._search = search_place(state)
@@ -69,6 +68,8 @@ class NativeCycle(threading.local):
         self._numbers = task.target_numbers
         self._run, self._ask, self._go = loaded.cycle, loaded.ask_clear, loaded.cycle_clear
         self._computed = np.zeros(sum(PARTS.values()))
+        starts = np.cumsum([0, *PARTS.values()]).tolist()[1:6]
+        self._parts = [slice(a, a + k) for a, k in zip(starts, (m, m, n, n, n))]
         own = self._command, self._velocity, self._memory
         self._at_inputs = tuple(map(address, (options, *own, self._target, self._q)))
         self._at_posture, self._at_computed = address(self._posture), address(self._computed)
@@ -125,13 +126,11 @@ class NativeCycle(threading.local):
         done, cleared = self._do(command, velocity, memory, target, q, others, True)
         if not done:
             return None
-        parts = np.split(self._computed.copy(), np.cumsum([*PARTS.values()])[:-1])
-        part = dict(zip(PARTS, parts))
-        size, gain, filtered, limited = part["numbers"].tolist()
-        asked, step, after = (part[name][: self._n] for name in ("asked", "step", "after"))
+        computed = self._computed.copy()
+        error, filtered_error, asked, step, after = [computed[part] for part in self._parts]
+        size, gain, filtered, limited = computed[:4].tolist()
         return Tick(
-            *(True, part["error"][: self._m], size, gain, filtered),
-            *(part["filtered_error"][: self._m], step, after, asked),
+            *(True, error, size, gain, filtered, filtered_error, step, after, asked),
             limited=bool(limited),
             cleared=cleared,
         )

@@ -42,7 +42,7 @@ def counted(monkeypatch):
     def count(self, command, velocity, memory, *inputs):
         done = advance(self, command, velocity, memory, *inputs)
         counts["done" if done else "left"] += 1
-        counts["calmed"] += done and memory[1 + self._m + 1] < 1.0
+        counts["calmed"] += done and memory[1 + self._cycle.task.size + 1] < 1.0
         return done
 
     monkeypatch.setattr(NativeCycle, "advance", count)
