@@ -61,8 +61,9 @@ def step_benchmark(
     Drake's `DifferentialInverseKinematicsIntegrator` runs twice: as its examples set it up, for a
     pose and with joint velocity limits, and with the least to do: position only. Ours run twice as well,
     for a position as in the paper and for a pose with the recommended law, `POSE_LAW`; both keep the
-    plant's limits. Where there is the native kernel they use it; the fused block runs without it too. A block
-    of one line of Python says what the framework takes.
+    plant's limits. Where there is the native kernel they use it; the fused block runs without it too, and for
+    positions with a restart search, which has nothing to do, and with limits of acceleration, which it
+    brakes for. A block of one line of Python says what the framework takes.
 
     Args:
         rounds: how often each follows the whole path.
@@ -81,6 +82,8 @@ def step_benchmark(
         "fikm_drake Diagram": _our_step(fused=False),
         "fikm_drake fused": _our_step(fused=True),
         "fikm_drake fused, numpy": _our_step(fused=True, native=False),
+        "fikm_drake fused, restart search": _our_step(fused=True, restart_search=True),
+        "fikm_drake fused, limits of acceleration": _our_step(fused=True, acceleration=20.0),
         "fikm_drake Diagram, pose": _our_step(fused=False, pose=True),
         "fikm_drake fused, pose": _our_step(fused=True, pose=True),
         "fikm_drake fused, pose, numpy": _our_step(fused=True, pose=True, native=False),
@@ -152,7 +155,12 @@ class _Keeper(LeafSystem):
 
 
 def _our_step(
-    *, fused: bool, pose: bool = False, native: bool = True
+    *,
+    fused: bool,
+    pose: bool = False,
+    native: bool = True,
+    restart_search: bool = False,
+    acceleration: float | None = None,
 ) -> Callable[[Scenario], Step]:
     def make(scenario: Scenario) -> Step:
         if not native:
@@ -169,6 +177,9 @@ def _our_step(
     def with_kernel(scenario: Scenario) -> Step:
         plant = MakeDhArmPlant(scenario.load_arm())
         config = dataclasses.replace(scenario.controller_config(), fused=fused)
+        config.restart_search = restart_search
+        if acceleration:
+            config.acceleration_limits = [acceleration]
         if pose:
             config = dataclasses.replace(config, task="pose", law=POSE_LAW)
         controller = MakeFuzzyIkController(plant, config=config)
