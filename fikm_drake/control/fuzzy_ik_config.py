@@ -192,7 +192,7 @@ class FuzzyIkConfig:
             0.06
         """
         tracking = self.for_tracking()
-        law = FuzzyMapping(iterations=6, damping=0.1, error_damping=3.0, row_floor=1.0)
+        law = dataclasses.replace(FuzzyMapping.iterated(), row_floor=1.0)
         return dataclasses.replace(tracking, law=law, limit_retreat=0.06)
 
     @property

@@ -20,17 +20,11 @@ from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.robot_file import MakeRobotPlant, check_robot_file
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.tasks import make_task
-from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 RATE, SECONDS = 100.0, 6.0
 USUAL_REACH = (0.05, 20.0)
 """Outside it a model's lengths are asked about [m]."""
-CONFIG = FuzzyIkConfig(
-    task="pose",
-    control_rate=RATE,
-    law=FuzzyMapping.iterated(),
-    restart_search=True,
-)
+CONFIG = FuzzyIkConfig(task="pose", control_rate=RATE, restart_search=True).for_reaching()
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,7 @@ def test_the_table_with_our_own_arms(monkeypatch):
     table = arms_benchmark.table(2, shown.append)
     (row,) = table.rows
     assert (row.arm, row.joints, row.targets, row.pink) == ("iiwa14", 7, 2, None)
-    assert row.position_searched >= row.position and row.pose_searched == 2
+    assert row.position == row.position_reaching == row.position_searched == 2
+    assert row.pose_searched == 2 >= row.pose_reaching and 0 <= row.pose_snopt <= 2
     assert row.false_converged == 0 and row.largest_speed <= 1.0 + 1e-9 and row.outside <= 0.0
     assert "iiwa14" in table and "false CONVERGED: 0" in table and shown[-1] == 1.0

@@ -1,28 +1,23 @@
-"""Public arms, driven to random poses: ours, ours with restart search, Drake's integrator, Pink.
+"""Public arms, driven to random targets: ours, ours with restart search, Drake's integrator, Pink, SNOPT.
 
 All have the same chain, limits, start (the default posture), rate and time; a model without a limit of a
-position or speed gets one. Where the packages of the extra `peers` are not installed, our own models
-stand in.
+position or speed gets one. SNOPT, a local optimiser from the same start, needs no time: what it reaches tells
+what can be reached without a look at other postures. Where the packages of the extra `peers` are not
+installed, our own models stand in.
 """
 
 import dataclasses
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib import import_module
 from importlib.util import find_spec
 
 import numpy as np
-from pydrake.common.value import Value
 from pydrake.math import RigidTransform
-from pydrake.multibody.inverse_kinematics import (
-    DifferentialInverseKinematicsIntegrator,
-    DifferentialInverseKinematicsParameters,
-)
-from pydrake.systems.analysis import Simulator
 
 from fikm_drake.arrays import Array
 from fikm_drake.control.cycle import ControlCycle
 from fikm_drake.control.fuzzy_ik_config import FuzzyIkConfig
+from fikm_drake.experiments.benchmarks.arms_peers import Run, drakes_integrator, pinks, snopts
 from fikm_drake.experiments.benchmarks.benchmark_table import BenchmarkTable
 from fikm_drake.experiments.benchmarks.public_arms import ARMS, public_chain, public_plant
 from fikm_drake.experiments.benchmarks.quiet_drake import quiet_drake
@@ -32,7 +27,6 @@ from fikm_drake.kinematics.load_arm import load_arm
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.serial_chain import SerialChain
 from fikm_drake.kinematics.tasks import make_task
-from fikm_drake.kinematics.urdf import urdf
 from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 
 RATE, SECONDS = 100.0, 6.0
@@ -52,13 +46,26 @@ class ArmRow:
     targets: int
     position: int
     """By the default controller, position only."""
+    position_reaching: int
+    """By `for_reaching`, without a search."""
     position_searched: int
-    """The same with restart search."""
-    pose: int
-    pose_searched: int
-    drake: int
-    pink: int | None
+    """By `for_reaching` with restart search."""
+    position_pink: int | None
     """None where it is not installed."""
+    position_snopt: int
+    """By a local optimiser from the same start."""
+    pose: int
+    """By `FuzzyMapping.iterated`."""
+    pose_reaching: int
+    """By `for_reaching`, without a search."""
+    pose_searched: int
+    """By `for_reaching` with restart search."""
+    drake: int
+    """Poses by Drake's integrator."""
+    pink: int | None
+    """Poses; None where it is not installed."""
+    pose_snopt: int
+    """By a local optimiser from the same start."""
     false_converged: int
     """False converged of all of our drives: CONVERGED, but not there."""
     largest_speed: float
@@ -92,107 +99,81 @@ def _row(name: str, chain: SerialChain, count: int) -> ArmRow:
     plant, start = MakeChainPlant(chain), np.array(chain.default_position)
     arm = PlantArm(plant, "tool")
     targets = random_targets(chain, count, seed=7)
-    drives: dict[str, list[Drive]] = {}
-    for label, config in (("position", POSITION), ("pose", POSE)):
-        for searched in (False, True):
-            config = dataclasses.replace(config, restart_search=searched)
+    reached: dict[str, int] = {}
+    every: list[Drive] = []
+    for task, plain in (("position", POSITION), ("pose", POSE)):
+        for label, config in (
+            (task, plain),
+            (f"{task}_reaching", plain.for_reaching()),
+            (
+                f"{task}_searched",
+                dataclasses.replace(plain.for_reaching(), restart_search=True),
+            ),
+        ):
             cycle = ControlCycle(make_task(arm, config.task), config)
-            drives[f"{label} {searched}"] = [
-                drive(cycle, chain, target, start, CYCLES) for target in targets
-            ]
-    every = [one for several in drives.values() for one in several]
-    reached = {label: sum(one.reached for one in several) for label, several in drives.items()}
-    pink = _pink(chain, start) if find_spec("pink") else None
-    drake = _drake(chain, start)
+            drives = [drive(cycle, chain, target, start, CYCLES) for target in targets]
+            reached[label] = sum(one.reached for one in drives)
+            every += drives
+
+    def met(run: Run, *, pose: bool = True) -> int:
+        return sum(_met(chain, run(target), target, pose) for target in targets)
+
+    timing = {"rate": RATE, "seconds": SECONDS}
+    here = find_spec("pink") is not None
     return ArmRow(
-        name,
-        chain.num_joints,
-        count,
-        reached["position False"],
-        reached["position True"],
-        reached["pose False"],
-        reached["pose True"],
-        sum(_met(chain, drake(target), target) for target in targets),
-        None if pink is None else sum(_met(chain, pink(target), target) for target in targets),
-        sum(not one.honest for one in every),
-        max(one.largest_speed for one in every),
-        max(one.outside for one in every),
+        arm=name,
+        joints=chain.num_joints,
+        targets=count,
+        **reached,
+        position_pink=met(pinks(chain, start, **timing, pose=False), pose=False) if here else None,
+        position_snopt=met(snopts(chain, start, pose=False), pose=False),
+        drake=met(drakes_integrator(chain, start, **timing)),
+        pink=met(pinks(chain, start, **timing, pose=True)) if here else None,
+        pose_snopt=met(snopts(chain, start, pose=True)),
+        false_converged=sum(not one.honest for one in every),
+        largest_speed=max(one.largest_speed for one in every),
+        outside=max(one.outside for one in every),
     )
 
 
-def _met(chain: SerialChain, q: Array, target: RigidTransform) -> bool:
+def _met(chain: SerialChain, q: Array, target: RigidTransform, pose: bool) -> bool:
     inside = (q >= chain.lower - 1e-6) & (q <= chain.upper + 1e-6)
     distance, angle = errors(chain.forward_kinematics(q), target)
-    return bool(inside.all() and distance <= MET[0] and angle <= MET[1])
-
-
-def _drake(chain: SerialChain, start: Array) -> Callable[[RigidTransform], Array]:
-    plant, n = MakeChainPlant(chain), chain.num_joints
-    parameters = DifferentialInverseKinematicsParameters(n, n)
-    parameters.set_time_step(1.0 / RATE)
-    parameters.set_nominal_joint_position(start)
-    parameters.set_joint_position_limits((chain.lower, chain.upper))
-    parameters.set_joint_velocity_limits((-chain.velocity_limits, chain.velocity_limits))
-    tool = plant.GetFrameByName("tool")
-    system = DifferentialInverseKinematicsIntegrator(plant, tool, 1.0 / RATE, parameters)
-
-    def run(target: RigidTransform) -> Array:
-        simulator = Simulator(system)
-        context = simulator.get_mutable_context()
-        system.SetPositions(context, start)
-        system.GetInputPort("X_AE_desired").FixValue(context, Value(target))
-        simulator.AdvanceTo(SECONDS)
-        return np.array(system.GetOutputPort("joint_positions").Eval(context))
-
-    return run
-
-
-def _pink(chain: SerialChain, start: Array) -> Callable[[RigidTransform], Array]:
-    """Pink's usual set-up: a frame task and a weak posture task."""
-    pink, pinocchio = import_module("pink"), import_module("pinocchio")
-    tasks = import_module("pink.tasks")
-    names = tuple(f"joint{i}" for i in range(1, chain.num_joints + 1))
-    plain = dataclasses.replace(chain, name="chain", joint_names=names)
-    model = pinocchio.buildModelFromXML(urdf(plain, capsules=False))
-    data = model.createData()
-
-    def run(target: RigidTransform) -> Array:
-        configuration = pink.Configuration(model, data, np.array(start))
-        frame = tasks.FrameTask("tool", position_cost=1.0, orientation_cost=1.0, lm_damping=1.0)
-        point = np.array(target.translation())
-        frame.set_target(pinocchio.SE3(target.rotation().matrix(), point))
-        posture = tasks.PostureTask(cost=1e-3)
-        posture.set_target_from_configuration(configuration)
-        for _ in range(CYCLES):
-            velocity = pink.solve_ik(
-                configuration, [frame, posture], 1.0 / RATE, solver="quadprog", safety_break=False
-            )
-            configuration.integrate_inplace(velocity, 1.0 / RATE)
-        return np.array(configuration.q)
-
-    return run
+    return bool(inside.all() and distance <= MET[0] and (angle <= MET[1] or not pose))
 
 
 def _lines(rows: list[ArmRow]) -> Iterator[str]:
-    heads = ("position", "searched", "pose", "searched", "Drake", "Pink", "false", "speed")
-    yield f"{'arm':34s}{'n':>3s}" + "".join(f"{head:>9s}" for head in heads)
+    columns = "position position_reaching position_searched position_pink position_snopt pose "
+    columns += "pose_reaching pose_searched drake pink pose_snopt false_converged"
+    heads = "position reaching searched Pink SNOPT pose reaching searched Drake Pink SNOPT false"
+    yield f"{'arm':34s}{'n':>3s}" + "".join(f"{head:>9s}" for head in heads.split())
     for row in rows:
-        numbers = (row.position, row.position_searched, row.pose, row.pose_searched, row.drake)
-        cells = "".join(f"{number:9d}" for number in numbers)
-        pink = "-" if row.pink is None else str(row.pink)
-        yield (
-            f"{row.arm:34s}{row.joints:3d}{cells}{pink:>9s}{row.false_converged:9d}"
-            f"{row.largest_speed:9.3f}"
-        )
+        values = [getattr(row, name) for name in columns.split()]
+        cells = "".join(f"{'-' if value is None else value:>9}" for value in values)
+        yield f"{row.arm:34s}{row.joints:3d}{cells}"
     total = sum(row.targets for row in rows)
-    position = sum(row.position for row in rows), sum(row.position_searched for row in rows)
     yield f"{len(rows)} arms, {total} targets, from the default posture, {SECONDS:g} s at {RATE:g} Hz"
-    yield f"position: default {position[0]}, with restart search {position[1]}"
+    for task in ("position", "pose"):
+        plain, reaching, searched, snopt = (
+            sum(getattr(row, task + part) for row in rows)
+            for part in ("", "_reaching", "_searched", "_snopt")
+        )
+        yield (
+            f"{task}: plain {plain}, for_reaching {reaching}, with restart search {searched}; "
+            f"a local optimiser (SNOPT) {snopt}"
+        )
     peers = [row for row in rows if row.pink is not None]
     if peers:
-        least = sum(row.pose_searched >= (row.pink or 0) for row in peers)
-        plain = sum(row.pose >= (row.pink or 0) for row in peers)
-        yield f"pose: at least as many as Pink on {least} arms with restart search, on {plain} without"
+        yield f"Pink: position {sum(r.position_pink or 0 for r in peers)}, pose " + str(
+            sum(row.pink or 0 for row in peers)
+        )
+        least = {
+            "with restart search": sum(row.pose_searched >= (row.pink or 0) for row in peers),
+            "by for_reaching": sum(row.pose_reaching >= (row.pink or 0) for row in peers),
+            "by the plain law": sum(row.pose >= (row.pink or 0) for row in peers),
+        }
+        told = ", ".join(f"on {count} arms {how}" for how, count in least.items())
+        yield f"pose, at least as many as Pink: {told}"
     yield f"false CONVERGED: {sum(row.false_converged for row in rows)}"
     speed, outside = max(row.largest_speed for row in rows), max(row.outside for row in rows)
     yield f"largest speed over its limit: {speed:.4f}; farthest outside limits: {outside:.1e}"

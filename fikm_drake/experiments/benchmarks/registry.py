@@ -94,7 +94,7 @@ BENCHMARKS = {
         "seed 0",
     ),
     "arms": Benchmark(
-        "public arms beside Drake's integrator and Pink, where installed",
+        "public arms beside Drake's integrator, SNOPT, and Pink where installed",
         "targets",
         20,
         arms_benchmark.table,
