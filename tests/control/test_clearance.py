@@ -182,8 +182,9 @@ def test_not_finite_never_reaches_the_checker(bad, clearance):
         guard(HOME, fine, others=others)[0],
     ):
         assert (step == 0.0).all()
-    assert np.isnan(guard.distance(broken))
-    assert not guard.is_clear(broken)
+    assert np.isnan(guard.distance(broken)) and np.isnan(guard.distance(HOME, others))
+    assert not guard.is_clear(broken) and not guard.is_clear(HOME, others)
+    assert guard.room(broken) == guard.room(HOME, others) == -np.inf
 
 
 def test_a_step_that_would_leap_over_an_obstacle_is_shortened(clearance):
