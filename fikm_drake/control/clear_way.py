@@ -26,13 +26,11 @@ class Phase(IntEnum):
     """A tree grows by a leg toward a sample."""
     MEET = 3
     """The other one grows toward the new posture as far as it can."""
-    RETURN = 4
-    """The trees have met; the joints are to go to where the search began."""
-    SHORTEN = 5
-    """Bends are left out."""
-    FOUND = 6
+    SHORTEN = 4
+    """The trees have met; bends are left out."""
+    FOUND = 5
     """There is a way."""
-    GIVEN_UP = 7
+    GIVEN_UP = 6
     """There is none to this posture, for now."""
 
 
@@ -166,16 +164,13 @@ class ClearWay:
             self._meet(way)
         elif phase == Phase.MEET and clear:
             self._met(way, q)
-        elif phase == Phase.RETURN:
-            way["phase"], way["at"] = Phase.SHORTEN, 0.0
-            if clear:
-                self._shorten(way, int(way["length"]) - 1)
-            else:  # the joints have come where they cannot go back: all anew
-                way["phase"], way["sizes"] = Phase.GIVEN_UP, 0.0
         elif phase == Phase.SHORTEN:
-            to = int(way["to"])
+            at, to = int(way["at"]), int(way["to"])
             if clear:
-                to = self._leave_out(way, int(way["at"]), to)
+                to = self._leave_out(way, at, to)
+            elif at == 0 and to == 1:  # the joints have come where they cannot go back: all anew
+                way["phase"], way["sizes"] = Phase.GIVEN_UP, 0.0
+                return
             self._shorten(way, to - 1)
         else:
             self._grow(way)
@@ -213,9 +208,11 @@ class ClearWay:
                 self._meet(way)
             return
         postures = self._trees.way(way, (grown, base) if tree == START else (base, grown))
-        self._found(way, np.vstack([q, postures]))
-        way["phase"] = Phase.RETURN
-        self._leg.start(way, q, postures[0])
+        if (q != postures[0]).any():  # the joints have strayed from where the search began
+            postures = np.vstack([q, postures])
+        self._found(way, postures)
+        way["phase"], way["at"] = Phase.SHORTEN, 0.0
+        self._shorten(way, len(postures) - 1)
 
     def _found(self, way: np.void, postures: Array) -> None:
         """Write a way (k,n) to where the trees were."""
@@ -231,12 +228,15 @@ class ClearWay:
         return int(way["length"])
 
     def _shorten(self, way: np.void, to: int) -> None:
-        """Look at the next leg that would leave out bends: from each posture to the farthest first."""
+        """Look at the next leg that would leave out bends: from each posture to the farthest first.
+
+        Legs of the trees are known to be clear, but from where the joints are none is.
+        """
         at, last = int(way["at"]), int(way["length"]) - 1
-        if to <= at + 1 and at < last:
+        if 0 < at < last and to <= at + 1:
             at, to = at + 1, last
         way["at"], way["to"] = at, to
-        if to <= at + 1:
+        if 0 < at and to <= at + 1:
             way["phase"], way["at"] = Phase.FOUND, 1.0
         else:
             postures = _postures(way)

@@ -39,7 +39,7 @@ DRAKE_GRID: dict[str, tuple[float, ...]] = {
     "gain": (0.02, 0.05, 0.1, 0.3),
     "weight": (1.0, 10.0, 100.0, 1000.0),
     "posture_gain": (0.0, 0.01, 0.1),
-    "speed": (0.3, 1.0, 3.0),
+    "speed": (0.3, 1.0, 3.0, 10.0),
 }
 PINK_GRID: dict[str, tuple[float, ...]] = {
     "gain": (0.05, 0.2, 1.0),

@@ -37,8 +37,8 @@ from fikm_drake.kinematics.load_arm import load_arm
 
 RATE, SECONDS = 100.0, 12.0
 """Rate, seconds of every run [Hz, s]."""
-SWEPT = len(HOME) * len(KINDS) * len(TASKS)
-"""Scenes of a sweep: one of each class [-]."""
+SWEPT = 2 * len(HOME) * len(KINDS) * len(TASKS)
+"""Scenes of a sweep: two of each class [-]."""
 RATES = (50.0, 200.0, 1000.0)
 """At which one scene of each class is run once more, for its clearance [Hz]."""
 SEEDS, SWEEP_SEED = (0, 1), 10
@@ -131,7 +131,7 @@ def clearance_at(
     """Smallest clearance of ours in a scene of every class at another rate [Hz], [m]."""
     least = np.inf
     with quiet_drake():
-        for scene in _one_of_each(arms, seed):
+        for scene in _of_each(arms, seed):
             checker = scene.checker()
             q, _ = run_ours(
                 scene,
@@ -156,26 +156,26 @@ def microseconds_without(*, seed: int = 0, seconds: float = 3.0) -> float:
             clearance=ClearanceConfig(),
             restart_search=False,
         )
-        for scene in _one_of_each(tuple(HOME), seed)
+        for scene in _of_each(tuple(HOME), seed)
     ]
     return 1e6 * float(np.median([np.median(times) for _, times in runs]))
 
 
-def _one_of_each(arms: Sequence[str], seed: int) -> Iterator[ObstacleScene]:
+def _of_each(arms: Sequence[str], seed: int, count: int = 1) -> Iterator[ObstacleScene]:
     for arm in arms:
         for kind in KINDS:
             for task in TASKS:
-                yield from obstacle_scenes(arm, kind, task, 1, seed)
+                yield from obstacle_scenes(arm, kind, task, count, seed)
 
 
 def sweep_peers(progress: Callable[[float], None]) -> dict[str, Sweep]:
-    """The best settings of Drake, and of Pink where it is installed, in a scene of every class."""
+    """The best settings of Drake, and of Pink where it is installed, in two scenes of every class."""
     peers: list[tuple[str, Any, Any, Any]] = [(DRAKE, DrakeSettings(), DRAKE_GRID, run_drake)]
     if has_pink():
         peers.append((PINK, PinkSettings(), PINK_GRID, run_pink))
     found = {}
     with quiet_drake():
-        scenes = [(s, s.checker()) for s in _one_of_each(tuple(HOME), SWEEP_SEED)]
+        scenes = [(s, s.checker()) for s in _of_each(tuple(HOME), SWEEP_SEED, count=2)]
         total = sum(len(values) for *_, grid, _ in peers for values in grid.values())
         done = 0
         for name, start, grid, run in peers:
