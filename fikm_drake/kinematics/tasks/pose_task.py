@@ -43,7 +43,8 @@ class OrientationTask(PoseTargetTask):
         self._row_scale = np.ones((6, arm.num_joints), order="F")
         self._row_scale[:3] = self.characteristic_length
         # A turn by φ changes the rotation matrix by 2√2 sin(φ/2), in the Frobenius norm.
-        self._scale = np.array([self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0])
+        scale = [self.characteristic_length / np.sqrt(2.0)] * 3 + [1.0]
+        self._scale = np.tile(scale[: self.num_coordinates // 3], 3)
         if type(self) in (OrientationTask, PoseTask):
             self.native = native_task_of(self, range(self.size), self.characteristic_length)
 
@@ -65,8 +66,8 @@ class OrientationTask(PoseTargetTask):
 
     def target_coordinates(self, target: RigidTransform) -> Array:
         """The numbers of a pose (c,) in metres: for small turns as far apart as the error is long."""
-        columns = self.num_coordinates // 3
-        return (target.GetAsMatrix34()[:, :columns] * self._scale[:columns]).ravel()
+        numbers = target.GetAsMatrix34()
+        return (numbers if self.size == 6 else numbers[:, :3]).ravel() * self._scale
 
     def jacobian_range(self) -> Array:
         """Bounds of the Jacobian's |J_ij| (m,n) over all joint positions."""
