@@ -56,8 +56,13 @@ class LimitRetreat:
 
     @property
     def numbers(self) -> tuple[Array, ...]:
-        """What the native kernel takes, as of `LimitWeights`, (n,) each."""
-        return self._lower, self._upper, self._lower, self._upper, self.zone
+        """What the native kernel takes: the limits, the middle and half of the range, the zones (n,) each."""
+        return self._lower, self._upper, self._middle, self._half, self.zone
+
+    @property
+    def options(self) -> tuple[float, ...]:
+        """Its other numbers, as `native/limits.h` lists them."""
+        return self.near, self._strength, self._reach, FAR, FARTHEST, STEEP
 
     def bounds(self, box: StepBox, q: Array) -> tuple[Array, Array]:
         """The least and the greatest step (n,), (n,): those of the box, narrowed by the margin [rad or m]."""

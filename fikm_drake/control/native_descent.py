@@ -22,7 +22,7 @@ class NativeDescent(threading.local):
     Args:
         loaded: the kernel.
         task: whose error falls.
-        options: as `native/safe_step.h` lists them.
+        options: as `native/limits.h` lists them.
         numbers: as `native/restart.h` lists them.
     """
 

@@ -5,9 +5,9 @@ import threading
 import numpy as np
 
 from fikm_drake.arrays import Array
-from fikm_drake.control import saturation
+from fikm_drake.control import box_step, saturation
 from fikm_drake.control.joint_limits import JointLimits
-from fikm_drake.control.retreating_step import RetreatingStep
+from fikm_drake.control.retreating_step import UNBOUNDED, RetreatingStep
 from fikm_drake.control.safe_step import PASSES, UNMOVED, SafeStep
 from fikm_drake.kinematics.native.kernel import Kernel, address, kernel
 from fikm_drake.kinematics.task_kinematics import PlantTask, TaskKinematics
@@ -26,7 +26,7 @@ class NativeSafeStep(threading.local):
 
     Args:
         loaded: the kernel.
-        options: as `native/safe_step.h` lists them.
+        options: as `native/limits.h` lists them.
         num_rows: m.
         num_joints: n.
     """
@@ -71,11 +71,10 @@ def native_safe_step(
 def step_options(
     task: TaskKinematics, law: Law, safe_step: SafeStep, limits: JointLimits
 ) -> Array | None:
-    """What `native/safe_step.h` is told of a step; None where it does not know law, task or limits.
+    """What `native/limits.h` is told of a step; None where it does not know law, task or limits.
 
     It knows tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without posture. Where joints draw back from their limits,
-    far from the target or at a limit, it leaves the step to Python.
+    iteration or with as many as there are rows, without posture.
     """
     if not isinstance(task, PlantTask) or task.native is None:
         return None
@@ -90,7 +89,8 @@ def step_options(
     step += [saturation.TINY, law.row_floor, law.column_floor, law.zero_threshold, law.damping]
     retreat = safe_step.retreat if isinstance(safe_step, RetreatingStep) else None
     step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0]
-    step += [retreat is not None, retreat.near if retreat else 0.0, *turns]
+    step += [retreat is not None, *(retreat.options if retreat else (0.0,) * 6), UNBOUNDED]
+    step += [box_step.ROUNDING, box_step.BLOCKS, box_step.PASSES, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
     if retreat:
         zones = retreat.numbers

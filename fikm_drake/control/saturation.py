@@ -86,8 +86,7 @@ def resolve(
         if free.any():
             trial = trial + np.where(free, solve(J * free, error - J.dot(trial)), 0.0)
         inside = np.minimum(np.maximum(trial, low), high)
-    size = _norm(asked)
-    near, other = (size - _norm(asked - J.dot(x)) for x in (inside, kept))
+    near, other = (_nearer(asked, J.dot(x)) for x in (inside, kept))
     # `near` is NaN where the law's second answer is: then the first is kept.
     return inside if near > 0.0 and near > gain * other else kept
 
@@ -121,8 +120,7 @@ def brake(
     if kept is step:
         return step
     asked = J.dot(step)
-    size = _norm(asked)
-    best, most = kept, BRAKING_GAIN * (size - _norm(asked - J.dot(kept)))
+    best, most = kept, BRAKING_GAIN * _nearer(asked, J.dot(kept))
     free, fixed, trial = np.ones(len(step), bool), np.zeros(len(step)), step
     for _ in range(PASSES):
         sizes = np.abs(trial)
@@ -138,12 +136,15 @@ def brake(
         rest = fixed if secondary is None else np.where(free, secondary, fixed)
         rest = rest + np.where(free, solve(J * free, error - J.dot(rest)), 0.0)
         trial = np.where(free, limits.brakeable(np.where(free, rest, 0.0)), fixed)
-        near = size - _norm(asked - J.dot(trial))
+        near = _nearer(asked, J.dot(trial))
         if near > BETTER * most:
             best, most = trial, near
         trial = rest
     return best
 
 
-def _norm(vector: Array) -> float:
-    return sqrt(vector.dot(vector))
+def _nearer(asked: Array, motion: Array) -> float:
+    """|asked| − |asked − motion| of vectors (m,) [m], to all digits where the motion is small, too."""
+    rest = asked - motion
+    sizes = sqrt(asked.dot(asked)) + sqrt(rest.dot(rest))
+    return float((asked + rest).dot(motion)) / sizes if sizes > 0.0 else 0.0

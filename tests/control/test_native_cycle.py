@@ -264,7 +264,7 @@ def test_a_search_in_a_free_world_equals_pythons(measured):
 @pytest.mark.parametrize("acceleration", [[], [20.0]])
 @pytest.mark.parametrize("task", ["position", "pose"])
 def test_joints_that_draw_back_equal_pythons(task, acceleration, counted):
-    """Near the target by the kernel, where it is far or a limit is in the way by Python."""
+    """Near the target and far, with limits in the way."""
     config = fd.FuzzyIkConfig(task=task, acceleration_limits=acceleration).for_reaching()
     arm = fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("iiwa14")))
     cycle = fd.ControlCycle(make_task(arm, task), config)
@@ -283,7 +283,7 @@ def test_joints_that_draw_back_equal_pythons(task, acceleration, counted):
             other = state.command, state.velocity, packed(state)
             for mine, his in zip(own, other) if done else ():
                 np.testing.assert_allclose(mine, his, rtol=1e-9, atol=1e-12, err_msg=f"cycle {k}")
-    assert counted["done"] > 100 and counted["left"] > 100
+    assert counted["done"] > 800
 
 
 @pytest.mark.parametrize("arm", ["arm7", "ur5"])

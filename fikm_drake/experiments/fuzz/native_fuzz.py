@@ -96,6 +96,8 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
         config.velocity_limits, config.max_joint_step = [], 0.5
     if rng.random() < 0.7:
         config.acceleration_limits, config.jerk_limits = [], []
+    if rng.random() < 0.15:
+        config.limit_retreat = 0.06
     if rng.random() < 0.6:  # calms more often than one of any constants
         config.supervisor = fd.GainSupervisorConfig()
     return dataclasses.replace(

@@ -3,7 +3,7 @@
  * What is out of the ordinary (an input that is not finite, equations that are nearly singular) is left to
  * Python: then nothing has been written.
  */
-/* Behind what safe_step.h is told: of a whole cycle these, then the supervisor's, the search's. */
+/* Behind what limits.h is told: of a whole cycle these, then the supervisor's, the search's. */
 enum { K_ERROR_LIMIT, K_GAIN_SMOOTHING, K_ERROR_SMOOTHING, K_RATE, K_MEASURED, K_DAMPED, K_COUNT };
 
 /* What a cycle computes, as native_cycle.py reads it: all of doubles. `limited`: of the law's step. */
@@ -34,7 +34,7 @@ static int ask(const double *o, const Limits *l, const double *command, const do
         c->filtered_error[i] = keep * memory[1 + i] + (1.0 - keep) * (scale * c->error[i]);
     double extra = k[K_DAMPED] != 0.0 ? damping_of(supervision, s) : 0.0;
     steady_bounds(o, l, command, c->low, c->high);
-    const int as_it_is = near || posture;
+    const int as_it_is = near || (posture && o[C_RETREATS] == 0.0); /* then only `limited` counts */
     int answer = safe_step(o, l, q, c->J, c->filtered_error, extra, c->low, c->high, as_it_is, c->asked);
     if (answer == LEFT) return 0;
     c->limited = answer == LIMITED;
