@@ -77,7 +77,7 @@ class RetreatingStep(SafeStep):
                 return step, step is not short or not inside
         least = self._minimises(J, error, damping or 0.0)
         added = np.zeros(len(q)) if secondary is None else secondary
-        if self.dead and size < self.dead * asked:
+        if size < self.dead * asked and size <= self.longest:  # aside from a dead point
             added = added + (short - own)
         least = least._replace(g=least.g + least.H.dot(added))
         bounds = (low, high) if resolved else (np.full(len(q), x) for x in (-UNBOUNDED, UNBOUNDED))

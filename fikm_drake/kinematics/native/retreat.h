@@ -108,7 +108,8 @@ static int retreating_step(const Law *law, const Limits *l, const double *q, con
     int in = inside(step, least, most, n);
     if (goal <= o[C_NEAR] && (in || near)) return brakeable(o, l, step, n) || !in ? LIMITED : INSIDE;
     if (!(goal < SURE_ERROR * o[C_REACH]) || !quadratic_of(law, d, &a)) return LEFT;
-    if (o[C_DEAD] != 0.0 && sqrt(square_of(own, n)) < o[C_DEAD] * goal)
+    double size = sqrt(square_of(own, n));
+    if (size < o[C_DEAD] * goal && size <= o[C_LONGEST])
         for (int j = 0; j < n; j++) a.g[j] += dot(a.H + j * n, added, n);
     if (goal > o[C_NEAR]) {
         double share = (fmin(goal / o[C_REACH], o[C_FARTHEST]) - o[C_FAR]) / (o[C_FARTHEST] - o[C_FAR]);
