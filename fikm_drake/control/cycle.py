@@ -163,7 +163,8 @@ class ControlCycle:
             self.restart = make_restart_search(
                 task,
                 tolerance=config.tolerance,
-                pace=config.restart_speed * config.period,
+                speed=config.restart_speed,
+                period=config.period,
                 limits=self.limits,
                 clearance=self.clearance,
             )

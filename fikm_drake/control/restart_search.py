@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from fikm_drake.arrays import Array, Bools
-from fikm_drake.checks import check_positive
+from fikm_drake.checks import check_period, check_positive
 from fikm_drake.control.clear_way import ClearWay
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
@@ -28,8 +28,8 @@ APPROACH = 0.01
 """The target is approached while the least error falls by this fraction [-]..."""
 PATIENCE = 40
 """...within this number of cycles, of which one at rest counts as three; then the search begins [-]."""
-LOOKS = 4
-"""Steps of the search in a control cycle [-]."""
+LOOKS, LONG = 4, 0.01
+"""Steps of the search in a control cycle that is so long or longer [-, s]; in a shorter one they are less."""
 WINDOW, PROGRESS = 6, 0.3
 """A start of the search is given up unless `WINDOW` steps take away this fraction of its error [-]."""
 AGAIN = 25
@@ -57,7 +57,7 @@ class RestartSearch:
 
     When the law does not approach a target that rests, a virtual arm searches for a posture that solves the
     task inside the joint limits, from a small step aside first and then from postures spread over
-    the joints' ranges: first those whose tool is near and that are soon reached. It takes `LOOKS` steps a
+    the joints' ranges: first those whose tool is near and that are soon reached. It takes a few steps a
     cycle, so a cycle's cost is bounded. The joints then move there in a straight line at `pace`, without
     whole turns that their limits let them leave out, and the law takes over again. If none is found, the
     arm stays; the next search waits until the error has changed. The search is the same each time: its
@@ -82,6 +82,7 @@ class RestartSearch:
         longest_error: that the task can have, about, by which errors are judged [m].
         limits: of the joints, which shorten a step of the way as a whole; None: only the pace does.
         clearance: what the way keeps clear of; None: nothing.
+        looks: steps of the search in a control cycle [-].
         task: whose error and Jacobian `kinematics` tells; then the kernel may take steps.
     """
 
@@ -98,13 +99,14 @@ class RestartSearch:
         longest_error: float = 2.0,
         limits: JointLimits | None = None,
         clearance: Clearance | None = None,
+        looks: int = LOOKS,
         task: TaskKinematics | None = None,
     ) -> None:
         self._limits, self._error_limit = limits, ERROR_LIMIT * longest_error
         self._own, self._rest = slice(4, 4 + len(lower)), slice(4 + len(lower), None)
         self._kinematics = kinematics
         self._lower, self._upper = lower, upper
-        self._tolerance, self._pace = tolerance, pace
+        self._tolerance, self._pace, self._looks = tolerance, pace, looks
         law = FuzzyMapping(iterations=max(2, num_rows), damping=1e-3, row_floor=0.01)
         self._search_step = SafeStep(law, longest=1.0, limits=LimitWeights(lower, upper, ZONE))
         self._native = None
@@ -201,8 +203,8 @@ class RestartSearch:
     def _search(
         self, memory: Array, desired: Any, q: Array, error: float, others: Array | None
     ) -> None:
-        """`LOOKS` steps of the search; the kernel takes those that only go down."""
-        left = LOOKS
+        """The cycle's steps of the search; the kernel takes those that only go down."""
+        left = self._looks
         while left and memory.item(0) == RestartState.SEARCHING:
             left -= self._native(memory, desired, left) if self._native else 0
             if left:
@@ -279,7 +281,8 @@ def make_restart_search(
     task: TaskKinematics,
     *,
     tolerance: float,
-    pace: float,
+    speed: float,
+    period: float,
     limits: JointLimits | None = None,
     clearance: Clearance | None = None,
 ) -> RestartSearch:
@@ -288,7 +291,8 @@ def make_restart_search(
     Args:
         task: what counts.
         tolerance: a task error up to this is no reason for a search [m].
-        pace: largest joint motion in a cycle on the way [rad or m].
+        speed: of the fastest joint on the way [rad/s or m/s].
+        period: of the control cycle [s].
         limits: of the joints; None: none.
         clearance: what the way keeps clear of; None: nothing.
 
@@ -302,10 +306,11 @@ def make_restart_search(
         lower=task.arm.lower,
         upper=task.arm.upper,
         tolerance=check_positive("tolerance", tolerance),
-        pace=check_positive("pace", pace),
+        pace=check_positive("speed", speed) * check_period(period),
         turning=task.arm.chain.revolute,
         longest_error=2.0 * task.arm.chain.reach + pi * turn,
         limits=limits,
         clearance=clearance,
+        looks=max(1, min(LOOKS, round(LOOKS * period / LONG))),
         task=task,
     )

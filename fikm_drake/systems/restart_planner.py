@@ -7,7 +7,6 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import BasicVector, Context, DiscreteValues, LeafSystem
 
 from fikm_drake.arrays import all_finite
-from fikm_drake.checks import check_period, check_positive
 from fikm_drake.control.clearance import Clearance
 from fikm_drake.control.joint_limits import JointLimits
 from fikm_drake.control.restart_search import make_restart_search
@@ -69,9 +68,13 @@ class RestartPlanner(LeafSystem):
     ) -> None:
         super().__init__()
         self._task = as_task(plant, frame, task)
-        pace = check_positive("speed", speed) * check_period(period)
         self._restart = make_restart_search(
-            self._task, tolerance=tolerance, pace=pace, limits=limits, clearance=clearance
+            self._task,
+            tolerance=tolerance,
+            speed=speed,
+            period=period,
+            limits=limits,
+            clearance=clearance,
         )
         n = self._task.arm.num_joints
         self._hold = np.zeros(n)

@@ -19,7 +19,7 @@ def searches(arm, task):
     """The kernel's and Python's, of the same task."""
     plant_arm = fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm(arm)))
     kind = {"position": fd.PositionTask, "pose": fd.PoseTask}[task](plant_arm)
-    options = {"tolerance": 1e-3, "pace": 0.01}
+    options = {"tolerance": 1e-3, "speed": 1.0, "period": 0.01}
     with numpy_only():
         plain = make_restart_search(kind, **options)
     return kind, make_restart_search(kind, **options), plain
@@ -50,6 +50,16 @@ def test_it_is_pythons_cycle_by_cycle(arm, task, far):
                 break
     assert RestartState.SEARCHING in seen
     assert (RestartState.STUCK if far > 1.0 else RestartState.UNDERWAY) in seen
+
+
+@pytest.mark.parametrize(("period", "steps"), [(0.02, 4), (0.01, 4), (0.005, 2), (0.001, 1)])
+def test_a_short_cycle_searches_less(period, steps):
+    kind = searches("ur5", "position")[0]
+    search = make_restart_search(kind, tolerance=1e-3, speed=1.0, period=period)
+    memory, q, target = search.initial_memory(), np.full(6, 0.3), np.array([0.3, 0.2, 0.4])
+    memory[0], memory[4:10] = RestartState.SEARCHING, 1.0
+    search.remember(memory, target, q, float(np.linalg.norm(kind.error(target, q))))
+    assert memory[1] == steps
 
 
 def test_a_target_that_is_not_finite_is_pythons():
