@@ -38,7 +38,8 @@ class FuzzyIkConfig:
         law: maps Jacobian and error to a joint step; in YAML by a tag, `law: !DampedLeastSquares
             {damping: 0.05}`, without a tag `FuzzyMapping`. More `iterations` are sharper and dearer;
             for poses take `FuzzyMapping.iterated()`, in YAML `{iterations: 6, damping: 0.02,
-            error_damping: 3, row_floor: 0.05}`.
+            error_damping: 3, row_floor: 0.05}`; for targets far away all of `for_reaching`: there
+            `row_floor: 1`, and `limit_retreat: 0.06` beside the law.
         frame: name of the tool's frame in the plant; `instance::name` where several arms have one.
         task: what counts: `position`, axes such as `xy`, `orientation`, `pose`, `pointing`.
         characteristic_length: for tasks with orientation a turn of 1 rad counts as this much [m];
