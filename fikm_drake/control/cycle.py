@@ -33,14 +33,11 @@ from fikm_drake.control.gain_supervision import GainSupervision
 from fikm_drake.control.guard import Guard
 from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.make_safe_step import make_safe_step
+from fikm_drake.control.native_safe_step import native_safe_step
 from fikm_drake.control.null_space import null_space_step
 from fikm_drake.control.restart_search import make_restart_search
 from fikm_drake.control.restart_state import RestartState
-from fikm_drake.control.status import (
-    ControllerStatus,
-    controller_status,
-    follows,
-)
+from fikm_drake.control.status import ControllerStatus, controller_status, follows
 from fikm_drake.control.steps import amplify, length, low_pass
 from fikm_drake.kinematics.plant_arm import PlantArm
 from fikm_drake.kinematics.task_kinematics import TaskKinematics
@@ -155,6 +152,8 @@ class ControlCycle:
             num_rows=task.size,
         )
         self.limits, self.guard = make_limits(config, arm), Guard(config.max_joint_step)
+        # The kernel's as in the block `DifferentialIk`, so that both round alike.
+        self.native_step = native_safe_step(task, self.law, self.safe_step, self.limits)
         self.clearance = None
         if collision_checker is not None:
             self.clearance = make_clearance(arm, collision_checker, config.clearance, config.period)
@@ -224,7 +223,11 @@ class ControlCycle:
             damping = supervision.damping(state.supervision) if self.damped else None
             around = self.clearance.around(q, others) if self.clearance else None
             alone = around is None or around.pairs == 0
-            step, limited = self.safe_step.inside(
+            done = None
+            if self.native_step:
+                asked = q, filtered_error, state.command, damping or 0.0
+                done = self.native_step(*asked, resolved=alone)
+            step, limited = done or self.safe_step.inside(
                 q, J, filtered_error, box, damping, resolved=alone
             )
             if null_space_motion is not None:

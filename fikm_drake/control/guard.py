@@ -63,7 +63,9 @@ class Guard:
         # From the shortest step of the box, along a straight line, up to the length.
         start = shortest(low, high)
         way = inside - start
-        a, b, c = way.dot(way), start.dot(way), longest * longest - start.dot(start)
+        a, b, c = 0.0, 0.0, longest * longest
+        for x, y in zip(start.tolist(), way.tolist()):  # in the kernel's order, to round as it does
+            a, b, c = a + y * y, b + x * y, c - x * x
         if c <= 0.0 or a == 0.0:
             return start
         # a t² + 2 b t = c; of the root's two forms the one that does not cancel.

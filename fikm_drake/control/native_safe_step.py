@@ -32,7 +32,7 @@ class NativeSafeStep(threading.local):
     """
 
     def __init__(self, loaded: Kernel, options: Array, num_rows: int, num_joints: int) -> None:
-        self._made_of = loaded, options, num_rows, num_joints
+        self._made_of = options, num_rows, num_joints
         self._command, self._q, self._error = (
             np.zeros(k) for k in (num_joints, num_joints, num_rows)
         )
@@ -40,6 +40,10 @@ class NativeSafeStep(threading.local):
         self._run = loaded.step_at
         self._at = tuple(map(address, (options, self._command, self._q, self._error)))
         self._at_step = address(self._step)
+
+    def __reduce__(self) -> tuple:
+        """Pickled as what it was made of: addresses hold in one process only."""
+        return _loaded, self._made_of
 
     def __call__(
         self, q: Array, error: Array, command: Array, damping: float, *, resolved: bool = True
@@ -55,17 +59,20 @@ class NativeSafeStep(threading.local):
         """
         self._q[:], self._error[:], self._command[:] = q, error, command
         done = self._run(*self._at, damping, not resolved, self._at_step)
-        return (self._step, done == LIMITED) if done else None
+        return (self._step.copy(), done == LIMITED) if done else None
 
 
 def native_safe_step(
     task: TaskKinematics, law: Law, safe_step: SafeStep, limits: JointLimits
 ) -> NativeSafeStep | None:
     """The kernel's step for what `step_options` takes, or None: `SafeStep` does it."""
-    loaded, options = kernel(), step_options(task, law, safe_step, limits)
-    if loaded is None or options is None:
-        return None
-    return NativeSafeStep(loaded, options, task.size, task.arm.num_joints)
+    options = step_options(task, law, safe_step, limits)
+    return None if options is None else _loaded(options, task.size, task.arm.num_joints)
+
+
+def _loaded(options: Array, num_rows: int, num_joints: int) -> NativeSafeStep | None:
+    loaded = kernel()
+    return None if loaded is None else NativeSafeStep(loaded, options, num_rows, num_joints)
 
 
 def step_options(

@@ -1,5 +1,6 @@
 """The native kernel's cycle equals Python's tick, and leaves it what is out of the ordinary."""
 
+import pickle
 from collections import Counter
 from contextlib import nullcontext
 
@@ -269,6 +270,8 @@ def test_joints_that_draw_back_equal_pythons(task, acceleration, counted):
     arm = fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("iiwa14")))
     cycle = fd.ControlCycle(make_task(arm, task), config)
     native = native_cycle(cycle)
+    with numpy_only():
+        plain = fd.ControlCycle(cycle.task, config)
     rng = np.random.default_rng(0)
     for _ in range(6):
         q = 0.7 * rng.uniform(arm.lower, arm.upper)
@@ -279,7 +282,7 @@ def test_joints_that_draw_back_equal_pythons(task, acceleration, counted):
             own = [state.command.copy(), state.velocity.copy(), packed(state)]
             done = native.advance(*own, goal, state.command)
             with numpy_only():
-                cycle.advance(state, goal, state.command, cycle.tick(state, goal, state.command))
+                plain.advance(state, goal, state.command, plain.tick(state, goal, state.command))
             other = state.command, state.velocity, packed(state)
             for mine, his in zip(own, other) if done else ():
                 np.testing.assert_allclose(mine, his, rtol=1e-9, atol=1e-12, err_msg=f"cycle {k}")
@@ -329,6 +332,16 @@ def test_a_step_inside_limits_equals_pythons(resolved, acceleration):
         assert done[1] == limited
         taken[limited] += 1
     assert min(taken.values()) > 30
+
+
+def test_a_cycle_is_pickled_with_its_step():
+    """As runs in other processes need it."""
+    cycle = make_cycle("arm7")
+    q, error = np.full(7, 0.3), np.array([0.1, 0.0, -0.1])
+    native = pickle.loads(pickle.dumps(cycle.native_step))
+    np.testing.assert_array_equal(
+        native(q, error, q, 0.0)[0], cycle.native_step(q, error, q, 0.0)[0]
+    )
 
 
 def test_threads_do_not_share_buffers(in_threads):

@@ -1,11 +1,13 @@
 """Random cases of everything, a few; `fikm-drake fuzz` runs many."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import fikm_drake as fd
 from fikm_drake.cli import main
-from fikm_drake.experiments.fuzz import controller_fuzz
+from fikm_drake.experiments.fuzz import controller_fuzz, random_case
 from fikm_drake.experiments.fuzz.fuzz_cases import KINDS, fuzz
 from fikm_drake.experiments.fuzz.random_arm import MOST_JOINTS, random_arm
 from fikm_drake.kinematics.tasks import make_task
@@ -53,6 +55,35 @@ def test_it_sees_a_fused_block_that_differs(monkeypatch):
     cycle = fd.ControlCycle.advance
     monkeypatch.setattr(fd.ControlCycle, "advance", lambda *a: cycle(*a) or a[1].gain.fill(0.3))
     assert "diagram is not fused" in fuzz(3, seed=0).violations
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"max_joint_step": 5e-4},
+        {"max_joint_step": 0.02, "task": "z", "acceleration_limits": []},
+        {"null_space_motion": True},
+    ],
+    ids=["shortened", "solved-again-and-shortened", "null-space"],
+)
+@pytest.mark.parametrize("iterations", [1, 6])
+def test_what_the_kernel_leaves_to_python_rounds_as_the_diagram(options, iterations, monkeypatch):
+    """Seeds in which the Diagram and the fused block once differed in their last bits."""
+    law, drawn = fd.FuzzyMapping(iterations=iterations), random_case.random_config
+    changed = {"law": law, "posture_rate": 0.0, "limit_retreat": 0.0, **options}
+    monkeypatch.setattr(
+        random_case, "random_config", lambda rng, arm: replace(drawn(rng, arm), **changed)
+    )
+    found, cycles = [], 0
+    with np.errstate(all="ignore"):
+        for i in range(25):
+            try:
+                for violations in controller_fuzz.controller_case(np.random.default_rng([7, i])):
+                    found, cycles = found + violations, cycles + 1
+            except ValueError:  # of limits for other joints than an arm has
+                pass
+    assert not found, found[0]
+    assert cycles > 200
 
 
 def test_its_own_measure_of_the_error_is_that_of_the_tasks():
