@@ -220,7 +220,7 @@ def native_cycle(cycle: ControlCycle) -> NativeCycle | None:
     """The kernel's cycle for an ordinary configuration, or None: `ControlCycle` does it.
 
     Ordinary are tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without secondary motion.
+    iteration or with as many as there are rows.
     """
     loaded, task, law, config = kernel(), cycle.task, cycle.law, cycle.config
     if not (loaded and isinstance(task, PlantTask) and cycle.supervision.native):

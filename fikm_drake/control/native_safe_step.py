@@ -7,6 +7,7 @@ import numpy as np
 from fikm_drake.arrays import Array
 from fikm_drake.control import box_step, saturation
 from fikm_drake.control.joint_limits import JointLimits
+from fikm_drake.control.posture import DAMPING as POSTURE_DAMPING
 from fikm_drake.control.retreating_step import UNBOUNDED, RetreatingStep
 from fikm_drake.control.safe_step import PASSES, UNMOVED, SafeStep
 from fikm_drake.kinematics.native.kernel import Kernel, address, kernel
@@ -81,13 +82,11 @@ def step_options(
     """What `native/limits.h` is told of a step; None where it does not know law, task or limits.
 
     It knows tasks of the tool's position and orientation under the indirect fuzzy mapping, with one
-    iteration or with as many as there are rows, without posture.
+    iteration or with as many as there are rows.
     """
     if not isinstance(task, PlantTask) or task.native is None:
         return None
     if type(law) is not FuzzyMapping or law.method != "indirect" or 1 < law.iterations < task.size:
-        return None
-    if safe_step.posture is not None:
         return None
     n, near, turns = task.arm.num_joints, safe_step.limits, task.native.options
     step: list[float] = [task.size, n, safe_step.longest, safe_step.dead, safe_step.side_step]
@@ -97,10 +96,13 @@ def step_options(
     retreat = safe_step.retreat if isinstance(safe_step, RetreatingStep) else None
     step += [law.error_damping, LARGEST_GROWTH if law.iterations > 1 else 0.0]
     step += [retreat is not None, *(retreat.options if retreat else (0.0,) * 6), UNBOUNDED]
-    step += [box_step.ROUNDING, box_step.BLOCKS, box_step.PASSES, *turns]
+    step += [box_step.ROUNDING, box_step.BLOCKS, box_step.PASSES]
+    pulls = safe_step.posture is not None and safe_step.posture_gain > 0.0
+    step += [safe_step.posture_gain if pulls else 0.0, POSTURE_DAMPING, *turns]
     zones = (np.zeros(n),) * 5 if near is None else near.numbers
     if retreat:
         zones = retreat.numbers
     each = limits.lower, limits.upper, limits.fastest, limits.change
-    arrays = (*each, *zones, task.native.packed)
+    posture = safe_step.posture if safe_step.posture is not None else np.zeros(n)
+    arrays = (*each, *zones, posture, task.native.packed)
     return np.concatenate([np.array(step, dtype=float), *arrays])

@@ -52,7 +52,7 @@ class SafeStep:
         self.posture = posture
         self.side_step = singularity_nudge
         self.dead = DEAD if singularity_nudge else 0.0
-        self._posture_gain = posture_gain
+        self.posture_gain = posture_gain
 
     def __call__(self, q: Array, J: Array, error: Array, damping: float | None = None) -> Array:
         """The joint step (n,) [rad or m]; zeros if the law's is not finite.
@@ -144,7 +144,7 @@ class SafeStep:
                 weights = np.minimum(weights, self.limits(q, step))
                 step = weights * self._law(J * weights, error, *more)
         if self.posture is not None:
-            secondary = posture_step(J, self._posture_gain * (self.posture - q))
+            secondary = posture_step(J, self.posture_gain * (self.posture - q))
             step = step + secondary
         return step, weights, secondary
 

@@ -116,7 +116,6 @@ def test_a_long_run_equals_numpys(arm, task, law, target, counted):
 @pytest.mark.parametrize(
     "options",
     [
-        {"posture_rate": 0.5},
         {"law": fd.FuzzyMapping(iterations=2)},
         {"law": fd.DampedLeastSquares()},
     ],
@@ -311,9 +310,12 @@ def test_limits_that_take_a_part_equal_pythons(arm, acceleration, task):
 
 @pytest.mark.parametrize("resolved", [False, True])
 @pytest.mark.parametrize("acceleration", [np.inf, 5.0])
-def test_a_step_inside_limits_equals_pythons(resolved, acceleration):
-    """The block of the Diagram: the step before the guard, obstacles near or not."""
-    cycle = make_cycle("iiwa14", "pose", law=POSE_LAW)
+@pytest.mark.parametrize(
+    "options", [{}, {"posture_rate": 0.2}, {"posture_rate": 0.2, "limit_retreat": 0.06}]
+)
+def test_a_step_inside_limits_equals_pythons(resolved, acceleration, options):
+    """The block of the Diagram: the step before the guard, obstacles near or not, with a posture or not."""
+    cycle = make_cycle("iiwa14", "pose", law=POSE_LAW, **options)
     arm, law, rng = cycle.task.arm, cycle.law, np.random.default_rng(1)
     limits = JointLimits(
         arm.lower, arm.upper, period=0.01, velocity_limits=1.0, acceleration_limits=acceleration
@@ -325,13 +327,15 @@ def test_a_step_inside_limits_equals_pythons(resolved, acceleration):
         q[0] = arm.upper[0] - rng.choice([0.0, 0.002, 0.5])
         error = rng.normal(size=6) * 10.0 ** rng.uniform(-6.0, 0.0)
         done = native(q, error, q, 0.1, resolved=resolved)
+        if options and not done:  # nearly singular
+            continue
         with numpy_only():
             J, box = cycle.task.jacobian(q), StepBox(limits, q)
             step, limited = cycle.safe_step.inside(q, J, error, box, 0.1, resolved=resolved)
         np.testing.assert_allclose(done[0], step, rtol=1e-9, atol=1e-12)
         assert done[1] == limited
         taken[limited] += 1
-    assert min(taken.values()) > 30
+    assert len(taken) == 2 and min(taken.values()) > (0 if options else 30)
 
 
 def test_a_cycle_is_pickled_with_its_step():

@@ -105,5 +105,5 @@ def _config(rng: np.random.Generator, arm: RandomArm) -> fd.FuzzyIkConfig:
         law=law,
         task=str(rng.choice(TASKS)),
         restart_search=bool(rng.random() < 0.3),
-        posture_rate=0.0,
+        posture_rate=min(config.posture_rate, 5.0) if rng.random() < 0.5 else 0.0,
     )

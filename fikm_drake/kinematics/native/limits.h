@@ -2,18 +2,19 @@
 enum { C_ROWS, C_JOINTS, C_LONGEST, C_DEAD, C_SIDE_STEP, C_UNMOVED, C_WEIGHTS, C_PASSES, C_BRAKES, C_PERIOD,
        C_RESOLVES, C_GAIN, C_BRAKING_GAIN, C_HALF, C_BETTER, C_TINY, C_ROW_FLOOR, C_COLUMN_FLOOR, C_ZERO,
        C_DAMPING, C_ERROR_DAMPING, C_GROWTH, C_RETREATS, C_NEAR, C_STRENGTH, C_REACH, C_FAR, C_FARTHEST,
-       C_STEEP, C_UNBOUNDED, C_ROUNDING, C_BLOCKS, C_BOX_PASSES, C_TASK, C_LOWER = C_TASK + T_COUNT };
+       C_STEEP, C_UNBOUNDED, C_ROUNDING, C_BLOCKS, C_BOX_PASSES, C_POSTURE,
+       C_POSTURE_DAMPING, C_TASK, C_LOWER = C_TASK + T_COUNT };
 
 /* The joints' limits and what is worked out of them, (n) each, then the chain. */
 typedef struct {
     const double *lower, *upper, *fastest, *change, *end_low, *end_high, *begin_low, *begin_high, *zone;
-    const double *chain;
+    const double *posture, *chain;
 } Limits;
 
 static Limits limits_of(const double *o, int n) {
     const double *x = o + C_LOWER;
     return (Limits){x, x + n, x + 2 * n, x + 3 * n, x + 4 * n, x + 5 * n, x + 6 * n, x + 7 * n, x + 8 * n,
-                    x + 9 * n};
+                    x + 9 * n, x + 10 * n};
 }
 
 /* What the law is asked with: its options, Jacobian (m,n), damping and weights (n) or NULL. */

@@ -90,10 +90,11 @@ static int least_in_box(const double *o, int n, const double *H, const double *g
     return 1;
 }
 
-/* `RetreatingStep.inside` of an error (m) of length `goal`: `own` (n) is the law's step, `step` the same
- * short and aside. */
+/* `RetreatingStep.inside` of an error (m) of length `goal`: `own` (n) is the law's step with the null-space
+ * motion `secondary` (n), `step` the same short and aside. */
 static int retreating_step(const Law *law, const Limits *l, const double *q, const double *d, double goal,
-                           const double *own, const double *low, const double *high, int near, double *step) {
+                           const double *own, const double *secondary, const double *low, const double *high,
+                           int near, double *step) {
     const double *o = law->o, *middle = l->begin_low, *half = l->begin_high;
     const int n = law->n;
     Quadratic a;
@@ -103,14 +104,15 @@ static int retreating_step(const Law *law, const Limits *l, const double *q, con
         double down = clamped((q[j] - l->end_low[j]) / l->zone[j], 0.0, 1.0);
         double up = clamped((l->end_high[j] - q[j]) / l->zone[j], 0.0, 1.0);
         least[j] = fmax(low[j], -fastest * down), most[j] = fmin(high[j], fastest * up);
-        narrow[j] = -o[C_UNBOUNDED], wide[j] = o[C_UNBOUNDED], added[j] = step[j] - own[j];
+        narrow[j] = -o[C_UNBOUNDED], wide[j] = o[C_UNBOUNDED], added[j] = secondary[j];
     }
     int in = inside(step, least, most, n);
     if (goal <= o[C_NEAR] && (in || near)) return brakeable(o, l, step, n) || !in ? LIMITED : INSIDE;
     if (!(goal < SURE_ERROR * o[C_REACH]) || !quadratic_of(law, d, &a)) return LEFT;
     double size = sqrt(square_of(own, n));
-    if (size < o[C_DEAD] * goal && size <= o[C_LONGEST])
-        for (int j = 0; j < n; j++) a.g[j] += dot(a.H + j * n, added, n);
+    int dead = size < o[C_DEAD] * goal && size <= o[C_LONGEST];
+    for (int j = 0; j < n && dead; j++) added[j] += step[j] - own[j];
+    for (int j = 0; j < n; j++) a.g[j] += dot(a.H + j * n, added, n);
     if (goal > o[C_NEAR]) {
         double share = (fmin(goal / o[C_REACH], o[C_FARTHEST]) - o[C_FAR]) / (o[C_FARTHEST] - o[C_FAR]);
         for (int j = 0; j < n; j++) {

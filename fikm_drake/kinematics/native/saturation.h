@@ -1,7 +1,8 @@
 /* Joints at their bounds are fixed there and the law solves again: control/saturation.py. */
 
-/* `brake` of a step in place: -1: left to Python; whether it was changed. */
-static int brake(const Law *law, const Limits *l, const double *error, double *step) {
+/* `brake` of a step in place, with null-space motion in it: whether it was changed; -1: left to Python. */
+static int brake(const Law *law, const Limits *l, const double *error, const double *secondary,
+                 double *step) {
     const double *o = law->o;
     const int n = law->n, m = law->m;
     double best[MAX_JOINTS], fixed[MAX_JOINTS] = {0.0}, trial[MAX_JOINTS], rest[MAX_JOINTS], more[MAX_JOINTS];
@@ -32,11 +33,12 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
             double longest_ = fmin(longest[j], cycles * l->change[j]);
             if (slow[j]) fixed[j] = copysign(fmin(fabs(trial[j]), longest_), trial[j]);
         }
-        task_motion(law, fixed, left);
+        for (int j = 0; j < n; j++) rest[j] = free_[j] ? secondary[j] : fixed[j];
+        task_motion(law, rest, left);
         for (int i = 0; i < m; i++) left[i] = error[i] - left[i];
         if (!solve(law, left, free_, more)) return -1;
         for (int j = 0; j < n; j++) {
-            rest[j] = fixed[j] + (free_[j] ? more[j] : 0.0);
+            rest[j] += free_[j] ? more[j] : 0.0;
             trial[j] = free_[j] ? rest[j] : 0.0;
         }
         brakeable(o, l, trial, n);
@@ -51,8 +53,8 @@ static int brake(const Law *law, const Limits *l, const double *error, double *s
 
 /* `resolve` of a step in place, whose alternative is the step shortened to the speed of the joints. 0: left
  * to Python. */
-static int resolve(const Law *law, const Limits *l, const double *error, const double *low,
-                   const double *high, double gain, double *step) {
+static int resolve(const Law *law, const Limits *l, const double *error, const double *secondary,
+                   const double *low, const double *high, double gain, double *step) {
     const double *o = law->o;
     const int n = law->n, m = law->m, most = n < (int)o[C_RESOLVES] ? n : (int)o[C_RESOLVES];
     double in[MAX_JOINTS], kept[MAX_JOINTS], fixed[MAX_JOINTS] = {0.0}, trial[MAX_JOINTS], more[MAX_JOINTS];
@@ -77,9 +79,9 @@ static int resolve(const Law *law, const Limits *l, const double *error, const d
             if (excess[j] >= o[C_HALF] * largest) free_[j] = 0, fixed[j] = in[j];
             any_free |= free_[j];
         }
-        copy(trial, fixed, n);
+        for (int j = 0; j < n; j++) trial[j] = free_[j] ? secondary[j] : fixed[j];
         if (any_free) {
-            task_motion(law, fixed, left);
+            task_motion(law, trial, left);
             for (int i = 0; i < m; i++) left[i] = error[i] - left[i];
             if (!solve(law, left, free_, more)) return 0;
             for (int j = 0; j < n; j++) if (free_[j]) trial[j] += more[j];
