@@ -39,7 +39,7 @@ class FuzzyIkConfig:
             {damping: 0.05}`, without a tag `FuzzyMapping`. More `iterations` are sharper and dearer;
             for poses take `FuzzyMapping.iterated()`, in YAML `{iterations: 6, damping: 0.02,
             error_damping: 3, row_floor: 0.05}`; for targets far away all of `for_reaching`: there
-            `row_floor: 1`, and `limit_retreat: 0.06` beside the law.
+            `row_floor: 1`, and beside the law `limit_retreat: 0.06`, for positions 0.15.
         frame: name of the tool's frame in the plant; `instance::name` where several arms have one.
         task: what counts: `position`, axes such as `xy`, `orientation`, `pose`, `pointing`.
         characteristic_length: for tasks with orientation a turn of 1 rad counts as this much [m];
@@ -194,7 +194,9 @@ class FuzzyIkConfig:
         """
         tracking = self.for_tracking()
         law = dataclasses.replace(FuzzyMapping.iterated(), row_floor=1.0)
-        return dataclasses.replace(tracking, law=law, limit_retreat=0.06)
+        # A task of all six rows has fewer joints to spare: a stronger pull would hold up more than it frees.
+        strength = 0.06 if self.task in ("pose", "pointing") else 0.15
+        return dataclasses.replace(tracking, law=law, limit_retreat=strength)
 
     @property
     def period(self) -> float:
