@@ -189,7 +189,10 @@ class FuzzyMapping:
     def step(self, J: Array, dr: Array, damping: float = 0.0) -> Array:
         """The same for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
         if self.method == "direct":
-            return self(J, dr)
+            ranges = self._ranges(
+                J.shape
+            )  # joints may be measured past the limits that they are of
+            return self(np.minimum(np.maximum(J, -ranges), ranges), dr)
         native = _native_step()
         solve = self.iterations >= len(J) and self.iterations > 1
         if native and (solve or self.iterations == 1):
@@ -260,12 +263,7 @@ class FuzzyMapping:
 
     def _infer(self, dr: Array, J: Array) -> Array:
         """dθ_ij (…,m,n) of the rule bases (equation 19); zero where the range is zero."""
-        try:
-            ranges = np.broadcast_to(self._rounded, J.shape[-2:])
-        except ValueError:
-            raise ValueError(
-                f"jacobian_range has shape {self._rounded.shape}, J has rows and columns {J.shape[-2:]}"
-            ) from None
+        ranges = self._ranges(J.shape[-2:])
         if (np.abs(J) > ranges * (1 + 1e-9) + 1e-9).any():
             raise ValueError(
                 f"|J| reaches {np.abs(J).max():.4g}, beyond jacobian_range {self._range.tolist()}"
@@ -277,6 +275,15 @@ class FuzzyMapping:
             chosen = ranges == j_max
             dtheta[..., chosen] = rules(dr[..., chosen], J[..., chosen])
         return dtheta
+
+    def _ranges(self, shape: tuple[int, ...]) -> Array:
+        """The ranges of |J_ij| (m,n); ValueError if they are another arm's."""
+        try:
+            return np.broadcast_to(self._rounded, shape)
+        except ValueError:
+            raise ValueError(
+                f"jacobian_range has shape {self._rounded.shape}, J has rows and columns {shape}"
+            ) from None
 
 
 _ones = cache(np.ones)

@@ -312,6 +312,24 @@ def test_the_range_of_table_2_is_the_default_and_is_not_left_silently():
         law(np.array([[1.6, 0.1]]), np.array([0.05]))
 
 
+def test_a_joint_measured_past_its_limits_does_not_stop_the_loop():
+    """The range of a prismatic joint's arm holds inside its limits only."""
+    slider = fd.DhJoint(type="prismatic", a=0.1, alpha=np.pi / 2, lower=0.0, upper=0.2)
+    table = fd.DhTable("arm", joints=[fd.DhJoint(), slider], tool=fd.DhTransform(a=0.3))
+    plant = fd.MakeDhArmPlant(fd.DhArm(table))
+    law = fd.FuzzyMapping("direct")
+    config = fd.FuzzyIkConfig(law=law, task="xy", measured_position=True)
+    for fused in (False, True):
+        config.fused = fused
+        controller = fd.MakeFuzzyIkController(plant, config=config)
+        context = controller.CreateDefaultContext()
+        controller.GetInputPort("desired_position").FixValue(context, [0.2, 0.3])
+        step = controller.GetOutputPort("joint_step")
+        for angle in np.linspace(-3.0, 3.0, 13):
+            controller.GetInputPort("estimated_position").FixValue(context, [angle, 0.25])
+            assert np.isfinite(step.Eval(context)).all() and step.Eval(context).any()
+
+
 @pytest.mark.parametrize("generation", ["least_squares", "araki"])
 def test_rule_generation_can_be_chosen(generation):
     law = fd.FuzzyMapping("direct", jacobian_range=1.5, max_error=0.003, generation=generation)
