@@ -219,14 +219,13 @@ class ControlCycle:
         filtered_error = low_pass(amplified, state.error, config.error_smoothing)
         box = StepBox(self.limits, state.command)
         step, limited, cleared = self._hold, False, UNTOUCHED
+        around = self.clearance.around(q, others) if self.clearance else None
         if valid:
             damping = supervision.damping(state.supervision) if self.damped else None
-            around = self.clearance.around(q, others) if self.clearance else None
-            alone = around is None or around.pairs == 0
-            done = None
+            done, alone = None, around is None or around.pairs == 0
             if self.native_step:
-                asked = q, filtered_error, state.command, damping or 0.0
-                done = self.native_step(*asked, resolved=alone)
+                inputs = q, filtered_error, state.command, damping or 0.0
+                done = self.native_step(*inputs, resolved=alone)
             step, limited = done or self.safe_step.inside(
                 q, J, filtered_error, box, damping, resolved=alone
             )
@@ -234,16 +233,18 @@ class ControlCycle:
                 step = step + null_space_step(J, config.period * null_space_motion)
             if self.restart:
                 step = self.restart.step(state.restart, q, step)
-            if self.clearance:
-                step, cleared = self.clearance.keep_inside(
-                    around, step, J=J, box=box, velocity=state.velocity, others_before=state.others
-                )
+        elif around:  # what comes is evaded while the target is lost
+            J = self.task.jacobian(q)
+        if self.clearance:
+            step, cleared = self.clearance.keep_inside(
+                around, step, J=J, box=box, velocity=state.velocity, others_before=state.others
+            )
         if self.guard.surely_passes(step, box):
             taken, command = step, state.command + step
         else:
             taken = self.guard(step, *box.bounds(state.velocity))
             command = self.limits.add(state.command, taken)
-        so_far = (valid, error, size, gain, filtered_gain, filtered_error)
+        so_far = valid, error, size, gain, filtered_gain, filtered_error
         return Tick(*so_far, taken, command, step, limited, cleared)
 
     def advance(
@@ -312,8 +313,7 @@ def make_law(task: TaskKinematics, config: FuzzyIkConfig, law: LawLike | None = 
 def make_limits(config: FuzzyIkConfig, arm: PlantArm) -> JointLimits:
     """The limits of a cycle's steps: the arm's and the config's."""
     return JointLimits(
-        arm.lower,
-        arm.upper,
+        *(arm.lower, arm.upper),
         period=config.period,
         velocity_limits=config.speeds(arm),
         acceleration_limits=config.accelerations(arm),

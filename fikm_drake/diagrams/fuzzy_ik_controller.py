@@ -68,7 +68,8 @@ class FuzzyIkController(Diagram):
       `ClearanceFilter`; `BlockingPair(context)` gives the bodies' names.
 
     While an input is not finite the status says so, the task error reads zero and the command
-    holds, with limits of acceleration after braking; the filters meanwhile decay to rest.
+    holds, with limits of acceleration after braking; the filters meanwhile decay to rest. While only the
+    target is lost, obstacles that come near are evaded as ever.
 
     Args:
         plant: a finalized plant; it is not copied.

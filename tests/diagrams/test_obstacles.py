@@ -101,6 +101,38 @@ def test_what_comes_is_evaded_and_lost_obstacles_hold_the_arm(plant, fused, chec
     assert (q[171:] == q[171]).all() and np.isfinite(q).all()
 
 
+@pytest.mark.parametrize("acceleration", [[], [30.0]])
+def test_what_comes_while_the_target_is_lost_is_evaded_alike(plant, checker_with, acceleration):
+    """The arm holds, at first in mid-motion, then gives way; the Diagram and the fused block are one."""
+    seen = checker_with((Sphere(0.08), [0.0, 0.0, 0.0]), floating=True)
+    guard = fd.Clearance(seen, period=0.01)
+
+    def run(fused):
+        chosen, clear, outputs = config(fused, acceleration_limits=acceleration), [], []
+        controller = fd.MakeFuzzyIkController(plant, config=chosen, collision_checker=seen)
+
+        def each(k, context):
+            ball = TOOL + [0.0, 0.35 - 0.2 * min(k, 150) / 100.0, 0.05]
+            position = np.r_[1.0, 0.0, 0.0, 0.0, ball]
+            controller.GetInputPort("obstacle_position").FixValue(context, position)
+            if k == 10:
+                controller.get_input_port(0).FixValue(context, np.full(3, np.nan))
+            q = controller.GetOutputPort("commanded_position").Eval(context)
+            clear.append(guard.distance(q, position))
+            outputs.append(controller.GetOutputPort("clearance").Eval(context).copy())
+
+        q, status, _ = drive(controller, TOOL + [0.0, 0.0, 0.1], 190, each)
+        return q, status, np.array(outputs), min(clear)
+
+    runs = [run(fused) for fused in (False, True)]
+    for one, two in zip(*runs):
+        np.testing.assert_array_equal(one, two)
+    q, status, _, nearest = runs[0]
+    assert (status[10:] == fd.ControllerStatus.INVALID_INPUT).all()
+    assert nearest >= SAFE - 2e-3
+    assert np.linalg.norm(q[-1] - q[60]) > 0.02  # it had to go
+
+
 def test_without_a_checker_nothing_changes(plant, fused, checker_with):
     target = TOOL + [-0.1, -0.25, 0.05]
     free, _, context = drive(fd.MakeFuzzyIkController(plant, config=config(fused)), target, 60)
