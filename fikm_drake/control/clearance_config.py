@@ -23,7 +23,8 @@ class ClearanceConfig:
 
     Attributes:
         safe_distance: no pair of bodies comes nearer than this [m]; default 0.01. Raise it for an arm
-            that is late behind its command, or whose shapes are rough.
+            that is late behind its command, or whose shapes are rough; and with low limits of acceleration,
+            which come first: how long the arm then needs to brake is not foreseen.
         influence_distance: pairs nearer than this are looked at [m]; default 0.1. Larger is smoother
             and earlier, and costs more rows; at least the way that the arm makes in a few cycles, and
             more than `safe_distance`.

@@ -41,7 +41,8 @@ class DampedLeastSquares:
         JT = np.swapaxes(J, -1, -2)
         square = J @ JT
         trace = np.trace(square, axis1=-2, axis2=-1)[..., None, None]
-        square = square + np.maximum(self.damping**2, ROUNDING * trace) * np.eye(J.shape[-2])
+        most = np.maximum(self.damping * self.damping, ROUNDING * trace)
+        square = square + np.where(np.eye(J.shape[-2]), most, 0.0)
         return (JT @ np.linalg.solve(square, dr[..., None]))[..., 0]
 
     step = __call__

@@ -49,7 +49,7 @@ def quadratic_of(law: Law, num_rows: int) -> QuadraticOf | None:
         True
     """
     if type(law) is DampedLeastSquares:
-        square = law.damping**2
+        square = law.damping * law.damping  # `**` raises where that is too large
         return lambda J, dr, damping: _least_squares(J, dr, square)
     if type(law) is FuzzyMapping and law.method == "indirect":
         mapping = law
@@ -76,7 +76,8 @@ def _iterated(law: FuzzyMapping, J: Array, dr: Array, damping: float) -> Quadrat
     turn = dr / rows
     far = min(law.error_damping * float(np.sqrt(turn.dot(turn))), MOST_ERROR_DAMPING)
     H = J.T.dot(J / rows[:, None])
-    H.ravel()[:: len(columns) + 1] += max(law.damping**2 + damping**2 + far**2, LEAST) * columns
+    square = law.damping * law.damping + damping * damping + far * far
+    H.ravel()[:: len(columns) + 1] += max(square, LEAST) * columns
     return Quadratic(H, turn.dot(J), columns)
 
 

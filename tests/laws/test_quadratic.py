@@ -33,6 +33,25 @@ def test_its_minimum_is_the_step(law, shape, damping):
 
 
 @pytest.mark.parametrize(
+    "law", [fd.DampedLeastSquares(1e200), fd.FuzzyMapping(iterations=6, damping=1e300)], ids=str
+)
+@pytest.mark.filterwarnings("ignore:invalid value")  # infinite times zero
+@pytest.mark.parametrize("retreat", [0.0, 0.06])
+def test_damping_whose_square_is_no_number_holds_the_arm(law, retreat):
+    plant = fd.MakeDhArmPlant(fd.load_arm("arm7"))
+    for fused in (False, True):
+        config = fd.FuzzyIkConfig(
+            law=law, limit_retreat=retreat, singularity_nudge=0.0, fused=fused
+        )
+        controller = fd.MakeFuzzyIkController(plant, config=config)
+        context = controller.CreateDefaultContext()
+        controller.GetInputPort("desired_position").FixValue(context, [0.5, 0.5, 0.2])
+        assert not controller.GetOutputPort("joint_step").Eval(context).any()
+    J, dr = np.ones((3, 7)), np.full(3, 0.1)
+    assert not law.step(J, dr).any() and not law(J, dr).any()
+
+
+@pytest.mark.parametrize(
     "law",
     [
         fd.FuzzyMapping(iterations=3),
