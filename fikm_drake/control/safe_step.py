@@ -108,6 +108,7 @@ class SafeStep:
             inside = (np.minimum(np.maximum(step, low), high) == step).all()
             return step, step is not short or not inside
         more = () if damping is None else (damping,)
+        J = seen(J)  # else, once all others are fixed, rounding is all that is left, and moves them
 
         def solve(J: Array, error: Array) -> Array:
             if weights is None:
@@ -163,6 +164,12 @@ class SafeStep:
         aside_too = step + self.side_step * asked * aside(len(step)) * moving
         size = length(aside_too)
         return aside_too * (self.longest / size) if size > self.longest else aside_too
+
+
+def seen(J: Array) -> Array:
+    """J (m,n) without the columns of joints that do not move the tool."""
+    reach = np.abs(J).max(axis=0)
+    return np.where(reach > UNMOVED * reach.max(), J, 0.0)
 
 
 @cache

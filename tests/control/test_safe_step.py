@@ -1,5 +1,7 @@
 """A law's step made safe: its length, its failures, its damping."""
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -10,6 +12,7 @@ from fikm_drake.control.joint_limits import JointLimits, StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
 from fikm_drake.control.safe_step import DEAD, SafeStep, aside
+from fikm_drake.kinematics.native.kernel import numpy_only
 
 Q = np.zeros(7)
 
@@ -192,3 +195,25 @@ def test_what_can_be_braked_within_its_own_length_counts_as_a_whole():
     step, less, low, high = limited(safe, J, error, acceleration_limits=300.0)
     assert less and (low <= step).all() and (step <= high).all()
     assert np.abs(step).max() <= np.sqrt(2 * 0.03 * np.abs(free).max())
+
+
+@pytest.mark.parametrize("accelerations", [np.inf, 5.0])
+@pytest.mark.parametrize("native", [False, True])
+def test_a_joint_that_does_not_move_the_tool_stays_where_all_others_are_at_their_speed(
+    accelerations, native
+):
+    """Once they are fixed, what is left of the Jacobian is rounding: it must not turn the flange."""
+    arm = fd.PlantArm(fd.MakeDhArmPlant(fd.load_arm("panda")))
+    q = np.array([0.3, -0.6, 0.2, -1.9, 0.4, 1.3, 0.5])
+    with nullcontext() if native else numpy_only():
+        config = fd.FuzzyIkConfig(
+            law=fd.FuzzyMapping.iterated(),
+            velocity_limits=[0.01],
+            acceleration_limits=[accelerations],
+            error_smoothing=0.0,
+        )
+        cycle = fd.ControlCycle(fd.PositionTask(arm), config)
+        state = cycle.start(q)
+        for target in np.random.default_rng(0).normal(size=(20, 3)):
+            step = cycle.tick(state, target, q).joint_step
+            assert np.abs(step[:6]).max() > 1e-5 and step[6] == 0.0

@@ -30,6 +30,7 @@ static int safe_step(const double *o, const Limits *l, const double *q, const do
     const int n = (int)o[C_JOINTS], m = (int)o[C_ROWS];
     Law law = {o, J, NULL, extra, m, n};
     double weights[MAX_JOINTS], reach[MAX_JOINTS], own[MAX_JOINTS], error[6], most = 0.0;
+    double seen[6 * MAX_JOINTS]; /* J without the columns of joints that do not move the tool */
     double secondary[MAX_JOINTS] = {0.0}, pull[MAX_JOINTS];
     int weighted = 0;
     if (!solve(&law, d, NULL, step)) return LEFT;
@@ -54,7 +55,7 @@ static int safe_step(const double *o, const Limits *l, const double *q, const do
     int nudged = o[C_DEAD] != 0.0 && size < o[C_DEAD] * goal && size <= o[C_LONGEST], changed = nudged;
     if (!(size < LARGEST)) return LEFT;
     copy(own, step, n);
-    for (int j = 0; nudged && j < n; j++) {
+    for (int j = 0; j < n; j++) {
         reach[j] = 0.0;
         for (int i = 0; i < m; i++) reach[j] = fmax(reach[j], fabs(J[i * n + j]));
         most = fmax(most, reach[j]);
@@ -69,6 +70,9 @@ static int safe_step(const double *o, const Limits *l, const double *q, const do
         int slowed = brakeable(o, l, step, n);
         return slowed || !inside(step, low, high, n) ? LIMITED : INSIDE;
     }
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < n; j++) seen[i * n + j] = reach[j] > o[C_UNMOVED] * most ? J[i * n + j] : 0.0;
+    law.J = seen;
     double short_ = sqrt(square_of(step, n));
     if (changed) share = short_ / fmax(fmax(size, short_), 1e-300);
     for (int i = 0; i < m; i++) error[i] = share * d[i];
