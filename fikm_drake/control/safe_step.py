@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from fikm_drake.arrays import Array
+from fikm_drake.arrays import Array, Bools
 from fikm_drake.control.joint_limits import StepBox
 from fikm_drake.control.limit_weights import LimitWeights
 from fikm_drake.control.posture import posture_step
@@ -159,17 +159,21 @@ class SafeStep:
             return np.zeros(len(step))
         if size > self.longest:
             return step * (self.longest / size)
-        reach = np.abs(J).max(axis=0)
-        moving = reach > UNMOVED * reach.max()  # a joint that the task does not see would drift
-        aside_too = step + self.side_step * asked * aside(len(step)) * moving
+        # A joint that the task does not see would drift.
+        aside_too = step + self.side_step * asked * aside(len(step)) * is_seen(J)
         size = length(aside_too)
         return aside_too * (self.longest / size) if size > self.longest else aside_too
 
 
 def seen(J: Array) -> Array:
     """J (m,n) without the columns of joints that do not move the tool."""
+    return np.where(is_seen(J), J, 0.0)
+
+
+def is_seen(J: Array) -> Bools:
+    """Which joints (n,) move the tool at all, by J (m,n)."""
     reach = np.abs(J).max(axis=0)
-    return np.where(reach > UNMOVED * reach.max(), J, 0.0)
+    return np.asarray(reach > UNMOVED * reach.max())
 
 
 @cache

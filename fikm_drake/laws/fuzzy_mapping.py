@@ -189,9 +189,7 @@ class FuzzyMapping:
     def step(self, J: Array, dr: Array, damping: float = 0.0) -> Array:
         """The same for one J (m,n) and one dr (m,), for a control loop: nothing is checked."""
         if self.method == "direct":
-            ranges = self._ranges(
-                J.shape
-            )  # joints may be measured past the limits that they are of
+            ranges = self._ranges(J.shape)  # of limits that measured joints may be past
             return self(np.minimum(np.maximum(J, -ranges), ranges), dr)
         native = _native_step()
         solve = self.iterations >= len(J) and self.iterations > 1
@@ -223,9 +221,7 @@ class FuzzyMapping:
             return (dr / rows).dot(J) / columns
         damping = hypot(self.damping, damping)
         if self.error_damping:
-            turns = dr / rows
-            turn = self.error_damping * sqrt(turns.dot(turns))
-            damping = hypot(damping, min(turn, MOST_ERROR_DAMPING))
+            damping = hypot(damping, self.added_damping(dr / rows))
         if self.iterations >= m:
             solved = normal_equations_of_one(J, dr, rows, columns, damping)
             if solved is not None:
@@ -234,8 +230,12 @@ class FuzzyMapping:
         S = J / (rows[:, None] * columns)
         return conjugate_gradients_of_one(S, dr / rows, self.iterations, damping) / columns
 
+    def added_damping(self, turns: Array) -> float:
+        """What an error adds to the damping of S, by its turns dr_i / r_i (m,) [rad]; [-]."""
+        return min(self.error_damping * sqrt(turns.dot(turns)), MOST_ERROR_DAMPING)
+
     def _error_damping(self, dr: Array, rows: Array) -> Array | float:
-        """What the error adds to the damping (…,); `rows` are 1 / r_i."""
+        """The same of errors (…,m), (…,); `rows` are 1 / r_i."""
         if not self.error_damping:
             return 0.0
         with np.errstate(over="ignore"):

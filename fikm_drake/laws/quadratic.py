@@ -8,7 +8,7 @@ import numpy as np
 
 from fikm_drake.arrays import Array, Bools
 from fikm_drake.laws.damped_least_squares import DampedLeastSquares
-from fikm_drake.laws.fuzzy_mapping import MOST_ERROR_DAMPING, FuzzyMapping
+from fikm_drake.laws.fuzzy_mapping import FuzzyMapping
 from fikm_drake.laws.law import Law
 
 LEAST = 1e-9
@@ -74,7 +74,7 @@ def _one_iteration(law: FuzzyMapping, J: Array, dr: Array, damping: float) -> Qu
 def _iterated(law: FuzzyMapping, J: Array, dr: Array, damping: float) -> Quadratic:
     rows, columns, J = _scaled(law, J, law.row_floor)
     turn = dr / rows
-    far = min(law.error_damping * float(np.sqrt(turn.dot(turn))), MOST_ERROR_DAMPING)
+    far = law.added_damping(turn)
     H = J.T.dot(J / rows[:, None])
     square = law.damping * law.damping + damping * damping + far * far
     H.ravel()[:: len(columns) + 1] += max(square, LEAST) * columns
