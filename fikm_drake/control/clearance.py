@@ -127,7 +127,7 @@ class Clearance:
 
     def distance(self, q: Array, others: Array | None = None) -> float:
         """Distance of the nearest pair at q (n,) [m], inf beyond the influence distance; NaN for bad ones."""
-        if not _finite(q, others):
+        if not may_ask(q, others):
             return float("nan")
         return self._distance(q, others, self.config.influence_distance)
 
@@ -143,7 +143,7 @@ class Clearance:
             others: positions of all in the checker's plant that is not the arm (p,); None: the defaults.
             within: nothing is farther off than this [m]; 0: than twice the influence distance.
         """
-        if not _finite(q, others):
+        if not may_ask(q, others):
             return -inf
         within = within or 2.0 * self.config.influence_distance
         return min(self._distance(q, others, within), within) - self.config.safe_distance
@@ -164,7 +164,7 @@ class Clearance:
 
     def around(self, q: Array, others: Array | None = None) -> Around | None:
         """What is near q (n,); None if it, or where others are (p,), is not finite."""
-        if not _finite(q, others):
+        if not may_ask(q, others):
             return None
         found = self.near.ask(q, others)
         count, near, taken = -1, None, 0
@@ -287,7 +287,7 @@ def info_of(answer: NativeAnswer, found: RobotClearance) -> ClearanceInfo:
     return ClearanceInfo(answer.distance, answer.blocked, pair)
 
 
-def _finite(q: Array, others: Array | None) -> bool:
+def may_ask(q: Array, others: Array | None) -> bool:
     """True if both may reach the checker: Drake ends the process on positions that are not finite."""
     return all_finite(q) and (others is None or all_finite(others))
 

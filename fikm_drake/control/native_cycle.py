@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from pydrake.planning import RobotClearance
 
-from fikm_drake.arrays import Array, all_finite
+from fikm_drake.arrays import Array
 from fikm_drake.control.clear_step import LOOKS
-from fikm_drake.control.clearance import ClearanceInfo, info_of
+from fikm_drake.control.clearance import ClearanceInfo, info_of, may_ask
 from fikm_drake.control.cycle import UNTOUCHED, ControlCycle, CycleState, Tick
 from fikm_drake.control.native_safe_step import step_options
 from fikm_drake.kinematics.native.kernel import MOST_JOINTS, Kernel, address, kernel
@@ -158,7 +158,7 @@ class NativeCycle(threading.local):
         if self._among is None:
             return self._run(*self._at_inputs, at_posture, peek, self._at_computed), UNTOUCHED
         (near, clear), q = self._among, self._q
-        if not all_finite(q) or (others is not None and not all_finite(others)):
+        if not may_ask(q, others):
             return 0, UNTOUCHED
         found, after, moved = None, others, None
         if peek or not self._knows(q, others, memory[self._others]):
